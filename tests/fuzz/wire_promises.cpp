@@ -127,9 +127,8 @@ std::string broken_promise(const bus::SceneEdit& message) {
 }
 
 std::string broken_promise(const bus::EditResult& message) {
-    const bool is_printable = std::all_of(message.text.begin(), message.text.end(), [](char c) {
-        return c >= 0x20 && c < 0x7f;
-    });
+    const bool is_printable = std::all_of(
+        message.text.begin(), message.text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
     return unless(is_printable && message.text.size() <= bus::kMaxTextLength, "a text");
 }
 

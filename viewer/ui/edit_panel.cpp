@@ -116,7 +116,7 @@ void EditPanel::draw_place(const HudContent& content, SurfaceEvents& events) {
     ImGui::EndDisabled();
 }
 
-void EditPanel::draw(const HudContent& content, SurfaceEvents& events) {
+void EditPanel::draw(const HudContent& content, Corner corner, SurfaceEvents& events) {
     if (!content.edit.selected) {
         seen_ = {};
         return;
@@ -130,9 +130,8 @@ void EditPanel::draw(const HudContent& content, SurfaceEvents& events) {
         load(object);
         asked_at_s_ = -1e9;
     }
-    const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float font = ImGui::GetFontSize();
-    ImGui::SetNextWindowPos({0.8f * font, display.y - 0.8f * font}, ImGuiCond_Always, {0.0f, 1.0f});
+    place_in(corner);
     ImGui::SetNextWindowSize({23.0f * font, 0.0f});
     ImGui::SetNextWindowBgAlpha(0.85f);
     ImGui::Begin("edit",

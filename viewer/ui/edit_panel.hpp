@@ -1,5 +1,6 @@
 #pragma once
 
+#include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/surface.hpp"
 
 #include <array>
@@ -13,7 +14,7 @@ class EditPanel {
 public:
     /// Shows nothing if no object is selected. Writes the user's changes to `events`, each when the
     /// user has let go of its field.
-    void draw(const HudContent& content, SurfaceEvents& events);
+    void draw(const HudContent& content, Corner corner, SurfaceEvents& events);
 
 private:
     void load(const bus::SceneObject& object);

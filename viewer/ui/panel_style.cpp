@@ -9,7 +9,7 @@ constexpr double kPanelMargin_px = 10.0;  // at scale 1
 
 }  // namespace
 
-void begin_panel(const char* name, Corner corner, double share, bool takes_input) {
+void place_in(Corner corner) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float margin = ui_px(kPanelMargin_px);
     ImVec2 at{margin, margin};
@@ -32,6 +32,12 @@ void begin_panel(const char* name, Corner corner, double share, bool takes_input
         pivot = {0.5f, 0.5f};
     }
     ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
+}
+
+void begin_panel(const char* name, Corner corner, double share, bool takes_input) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float margin = ui_px(kPanelMargin_px);
+    place_in(corner);
     ImGui::SetNextWindowSizeConstraints(
         {0.0f, 0.0f}, {static_cast<float>(share) * size.x, size.y - 2.0f * margin});
     ImGui::SetNextWindowBgAlpha(takes_input ? 0.85f : 0.55f);

@@ -11,6 +11,9 @@ inline const ImVec4 kWarningColour{1.0f, 0.75f, 0.3f, 1.0f};
 
 enum class Corner : std::uint8_t { kUpperLeft, kLowerLeft, kLowerMiddle, kLowerRight, kMiddle };
 
+/// Places the next ImGui window in a corner of the picture.
+void place_in(Corner corner);
+
 /// Begins a panel as large as its content, in a corner of the picture, at most `share` of the
 /// picture's width; scrolls beyond its height. `takes_input`: false: the mouse goes through it to
 /// the world. End it with ImGui::End.

@@ -108,13 +108,7 @@ public:
         lay_out([&] {
             if (is_hud_shown_) draw_hud(content, has_details_);
             if (is_menu_shown_) menu_.draw(content, events_);
-            edit_panel_.draw(content, events_);
-            if (are_sites_shown_) {
-                // beside the long panel
-                const bool has_long_panel = is_hud_shown_ && has_details_;
-                sites_.draw(
-                    content, has_long_panel ? Corner::kLowerMiddle : Corner::kLowerLeft, events_);
-            }
+            draw_lower_panels(content);
             if (are_views_shown_) views_.draw(content, events_);
             if (are_keys_shown_) draw_keys();
         });
@@ -147,6 +141,14 @@ private:
         layout();
         ImGui::Render();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    }
+    // beside each other, and beside the long panel
+    void draw_lower_panels(const HudContent& content) {
+        constexpr std::array kPlaces{Corner::kLowerLeft, Corner::kLowerMiddle, Corner::kLowerRight};
+        std::size_t place = is_hud_shown_ && has_details_ ? 1 : 0;
+        edit_panel_.draw(content, kPlaces[place], events_);
+        if (has_selection_) ++place;
+        if (are_sites_shown_) sites_.draw(content, kPlaces[place], events_);
     }
     void swap() {
         glFinish();  // separates drawing from waiting for the display

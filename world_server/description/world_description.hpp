@@ -26,8 +26,8 @@ struct WorldDescription {
 };
 
 /// Reads the settings that exist only in a world file: folder of models, gravity, bounds,
-/// materials, objects, puppets, soft objects, joints, scenery, sites and rights. Call after the plain options are read.
-/// Problems go to `reader`.
+/// materials, objects, puppets, soft objects, joints, scenery, sites and rights. Call after the
+/// plain options are read. Problems go to `reader`.
 void read_world(config::TableReader& reader, WorldDescription& description);
 
 }  // namespace atrium::world_server
