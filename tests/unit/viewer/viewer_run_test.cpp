@@ -1,9 +1,9 @@
+#include "tests/unit/viewer/viewer_run.hpp"
+
 #include "core/bus/proxy_points.hpp"
 #include "core/bus/soft_nodes.hpp"
-#include "tests/unit/viewer/test_site.hpp"
 #include "viewer/receive/proxy_inbox.hpp"
 #include "viewer/renderer/drawing/view_camera.hpp"
-#include "viewer/viewer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,99 +19,6 @@
 
 namespace atrium::viewer {
 namespace {
-
-using namespace std::chrono_literals;
-
-// A headless viewer on its own thread, with a site and a world on this one.
-class ViewerRun : public testing::Test {
-protected:
-    void SetUp() override {
-        std::filesystem::create_directories(folder_);
-        config_.bus.world = "viewer_test_" + std::to_string(getpid());
-        config_.headless = true;
-        config_.view.width = 320;
-        config_.view.height = 180;
-        config_.view.position_m = "3,0,1.2";
-        config_.view.target_m = "0,0,1.2";
-        config_.output = folder_ / "last.png";
-        auto participant = bus::Participant::create(config_.bus);
-        ASSERT_TRUE(participant) << participant.error().message;
-        participant_.emplace(std::move(*participant));
-    }
-    void TearDown() override {
-        finish();
-        std::filesystem::remove_all(folder_);
-    }
-
-    void start() {
-        auto viewer = Viewer::create(config_);
-        ASSERT_TRUE(viewer) << viewer.error().message;
-        viewer_ = std::move(*viewer);
-        thread_ = std::jthread([this](std::stop_token stop) { result_ = viewer_->run(stop); });
-    }
-    void finish() {
-        if (!thread_.joinable()) return;
-        thread_.request_stop();
-        thread_.join();
-    }
-    // Waits for the other side, for a limited time.
-    static bool eventually(const std::function<bool()>& condition) {
-        const auto deadline = std::chrono::steady_clock::now() + 20s;
-        while (std::chrono::steady_clock::now() < deadline) {
-            if (condition()) return true;
-            std::this_thread::sleep_for(20ms);
-        }
-        return false;
-    }
-    template <typename Message>
-    bus::Writer<Message> writer() {
-        auto created = bus::Writer<Message>::create(*participant_);
-        EXPECT_TRUE(created) << created.error().message;
-        return std::move(*created);
-    }
-    // A source of the frames of alice. It announces itself when created; each `send` is a frame.
-    class Site {
-    public:
-        explicit Site(ViewerRun& run)
-            : descriptions_(run.writer<bus::SiteDescription>()),
-              meshes_(run.writer<bus::SiteMesh>()),
-              textures_(run.writer<bus::CameraTexture>()) {
-            EXPECT_TRUE(descriptions_.write(test_site::description("alice")));
-        }
-        void send() {
-            const test_site::Frame frame = test_site::frame("alice", ++frame_id_, 230);
-            EXPECT_TRUE(meshes_.write(frame.mesh));
-            for (const auto& texture : frame.textures) EXPECT_TRUE(textures_.write(texture));
-        }
-
-    private:
-        bus::Writer<bus::SiteDescription> descriptions_;
-        bus::Writer<bus::SiteMesh> meshes_;
-        bus::Writer<bus::CameraTexture> textures_;
-        std::uint64_t frame_id_ = 0;
-    };
-    // Sends frames until that many more are shown.
-    bool show(Site& site, std::uint64_t num) {
-        const std::uint64_t until = viewer_->status().num_pairs_shown + num;
-        return eventually([&] {
-            site.send();
-            return viewer_->status().num_pairs_shown >= until;
-        });
-    }
-    cv::Vec3b centre_of_output() const {
-        const cv::Mat picture = cv::imread(config_.output.string());
-        EXPECT_EQ(picture.size(), cv::Size(320, 180));
-        return picture.empty() ? cv::Vec3b() : picture.at<cv::Vec3b>(90, 160);
-    }
-
-    const std::filesystem::path folder_ =
-        std::filesystem::temp_directory_path() / ("atrium_viewer_run_" + std::to_string(getpid()));
-    ViewerConfig config_;
-    std::optional<bus::Participant> participant_;
-    std::unique_ptr<Viewer> viewer_;
-    Expected<void> result_;
-    std::jthread thread_;
-};
 
 TEST_F(ViewerRun, WarnsWithinTwoSecondsThatTheWorldServerIsLost) {
     testing::internal::CaptureStderr();
@@ -344,76 +251,6 @@ TEST_F(ViewerRun, ShowsSoftObjectsAndSceneryFromItsOwnFolder) {
         const cv::Vec3b colour = picture.at<cv::Vec3b>(y, x);
         EXPECT_GT(colour[0], 2 * colour[2]) << "the wall, where there would be sky or floor";
     }
-}
-
-TEST_F(ViewerRun, EndsAfterTheConfiguredFrames) {
-    config_.frames = 5;
-    config_.view.max_fps = 200.0;
-    start();
-    thread_.join();
-    ASSERT_TRUE(result_) << result_.error().message;
-    EXPECT_EQ(viewer_->status().num_frames, 5u);
-    EXPECT_GT(centre_of_output()[0], 50);
-}
-
-TEST_F(ViewerRun, VideoBeginsWithTheAwaitedPeople) {
-    config_.wait_people = 1;
-    config_.wait_timeout_s = 60.0;
-    config_.view.max_fps = 200.0;
-    config_.video = {.file = folder_ / "new" / "v.avi", .fps = 50.0};
-    start();
-    ASSERT_TRUE(eventually([&] { return viewer_->status().num_frames > 20; })) << "of nobody";
-    Site alice(*this);
-    ASSERT_TRUE(show(alice, 2));
-    const auto frames = viewer_->status().num_frames;
-    ASSERT_TRUE(eventually([&] { return viewer_->status().num_frames > frames + 20; }));
-    finish();
-    ASSERT_TRUE(result_) << result_.error().message;
-    cv::VideoCapture video(config_.video.file.string());
-    cv::Mat first;
-    ASSERT_TRUE(video.read(first));
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(first.at<cv::Vec3b>(90, 160)[i], 230, 12);
-}
-
-TEST_F(ViewerRun, ReportsUnwritableFilesBeforeTheFirstPicture) {
-    const std::filesystem::path no_folder = folder_ / "file";
-    std::ofstream(no_folder) << "not a folder";
-    config_.output = no_folder / "last.png";
-    start();
-    thread_.join();
-    ASSERT_FALSE(result_);
-    EXPECT_THAT(result_.error().message, testing::HasSubstr(config_.output.string()));
-    EXPECT_EQ(viewer_->status().num_frames, 0u);
-    config_.output.clear();
-    config_.video.file = no_folder / "v.avi";
-    start();
-    thread_.join();
-    ASSERT_FALSE(result_);
-    EXPECT_THAT(result_.error().message, testing::HasSubstr(config_.video.file.string()));
-    config_.video.file = folder_ / "v.gif";
-    const auto misnamed = Viewer::create(config_);
-    ASSERT_FALSE(misnamed);
-    EXPECT_EQ(misnamed.error().kind, ErrorKind::kConfiguration);
-    EXPECT_THAT(misnamed.error().message, testing::HasSubstr("video.file: must end in"));
-}
-
-TEST_F(ViewerRun, RefusesTwoEyesWithoutAWindow) {
-    config_.display.stereo = "quad_buffer";
-    const auto viewer = Viewer::create(config_);
-    ASSERT_FALSE(viewer);
-    EXPECT_EQ(viewer.error().kind, ErrorKind::kConfiguration);
-    EXPECT_THAT(viewer.error().message, testing::HasSubstr("quad_buffer needs a window"));
-}
-
-TEST_F(ViewerRun, FailsIfNobodyComes) {
-    config_.wait_people = 2;
-    config_.frames = 1;
-    config_.wait_timeout_s = 0.2;
-    start();
-    thread_.join();
-    ASSERT_FALSE(result_);
-    EXPECT_EQ(result_.error().kind, ErrorKind::kUnavailable);
-    EXPECT_THAT(result_.error().message, testing::HasSubstr("0 of 2 people"));
 }
 
 }  // namespace
