@@ -90,6 +90,32 @@ TEST_P(Formats, IntrinsicsAndExtrinsicsSideBySide) {
     EXPECT_LT(test::difference(result->rig.cameras, cameras_), 1e-6);
 }
 
+// Two files of stereoCalibrate: the first camera is the frame.
+TEST_P(Formats, OpenCvStereoPair) {
+    cameras_.resize(2);
+    std::string intrinsics = test::easymocap_intri(cameras_);
+    for (const auto& [from, to] : {std::pair{"K_cam", "M"}, {"dist_cam", "D"}}) {
+        for (std::size_t at = 0; (at = intrinsics.find(from, at)) != std::string::npos;)
+            intrinsics.replace(at, std::string(from).size(), to);
+    }
+    test::Cameras second = {cameras_[1]};
+    second[0].camera_from_site =
+        second[0].camera_from_site * cameras_[0].camera_from_site.inverse();
+    second[0].name = "x";
+    std::string pose = test::easymocap_extri(second);
+    pose.erase(pose.find("R_x"), pose.find("Rot_x") - pose.find("R_x"));
+    pose.replace(pose.find("Rot_x"), 5, "R").replace(pose.find("T_x"), 3, "T");
+    auto foreign = read_foreign(
+        {folder_.write("intrinsics.yml", intrinsics), folder_.write("extrinsics.yml", pose)},
+        "auto");
+    ASSERT_TRUE(foreign) << foreign.error().message;
+    ASSERT_EQ(foreign->cameras.size(), 2u);
+    const auto camera2 = camera_from_site(*foreign->cameras[1].pose, {});
+    EXPECT_LT((camera2.translation - second[0].camera_from_site.translation).norm(), 1e-9);
+    EXPECT_LT(camera2.rotation.angularDistance(second[0].camera_from_site.rotation), 1e-9);
+    EXPECT_DOUBLE_EQ(foreign->cameras[1].lens.fx, cameras_[1].intrinsics.fx);
+}
+
 TEST_P(Formats, Qualisys) {
     expect_truth({folder_.write("lab.qca.txt", test::qualisys_xml(cameras_))});
 }

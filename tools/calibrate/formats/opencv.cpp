@@ -67,8 +67,10 @@ public:
         where_ = file.string();
         found_some_ = false;
         const bool is_stereo = find_with(tree, kMatrix, "1") != nullptr;
-        const bool is_stereo_pose = find(tree, {"R"}) != nullptr && find(tree, {"T"}) != nullptr &&
-                                    find(tree, {"R1"}) != nullptr && find(tree, {"P1"}) != nullptr;
+        has_stereo_ = has_stereo_ || is_stereo;
+        const bool is_stereo_pose =
+            find(tree, {"R"}) != nullptr && find(tree, {"T"}) != nullptr &&
+            (has_stereo_ || (find(tree, {"R1"}) != nullptr && find(tree, {"P1"}) != nullptr));
         if (is_stereo || is_stereo_pose) return add_stereo(tree);
         for (const std::string& suffix : suffixes(tree)) add_keys(tree, suffix, suffix.substr(1));
         if (found_some_) return {};
@@ -195,7 +197,8 @@ private:
 
     std::map<std::string, Found> cameras_;
     std::string where_;
-    bool found_some_ = false;
+    bool found_some_ = false;  // in this file
+    bool has_stereo_ = false;
     Tree no_rotation_ = {0.0, 0.0, 0.0};
 };
 

@@ -197,8 +197,10 @@ UpChoice choose_up(Cameras cameras) {
         }
         side = candidate;
         choice.tilt = tilt;
+        // two pictures have such a direction always: it must be about upright, too
+        choice.is_known =
+            cameras.size() > 2 || (candidate == 0 && up.dot(choice.up) > kUprightAlike);
         choice.up = up;
-        choice.is_known = cameras.size() > 2;
     }
     int axis = 0;
     const double cosine = choice.up.cwiseAbs().maxCoeff(&axis);
