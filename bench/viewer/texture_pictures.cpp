@@ -1,5 +1,8 @@
 #include "bench/viewer/texture_pictures.hpp"
 
+#include "bench/value_of.hpp"
+#include "tests/support/pictures/camera_orbit.hpp"
+
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -67,6 +70,16 @@ Photo enlarged(const renderer::CameraPicture& picture, int width, int height) {
         }
     }
     return photo;
+}
+
+void show_person_alone(std::span<const geometry::CalibratedCamera> rig,
+                       const simulation::RoomOptions& room,
+                       double time_s,
+                       std::vector<TruePicture>& pictures) {
+    std::vector<geometry::CalibratedCamera> cameras;
+    for (const TruePicture& picture : pictures) cameras.push_back(picture.camera);
+    std::vector<Photo> photos = value_of(test::photograph_truth(rig, room, time_s, cameras));
+    for (std::size_t i = 0; i < pictures.size(); ++i) pictures[i].bgr.swap(photos[i].bgr);
 }
 
 TruePicture halved(const TruePicture& from) {

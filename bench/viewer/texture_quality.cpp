@@ -54,10 +54,9 @@ double shortest_ms(std::uint64_t repeats, const Work& work) {
     for (std::uint64_t i = 0; i < repeats; ++i) {
         const auto start = std::chrono::steady_clock::now();
         work();
-        best_ms = std::min(
-            best_ms,
-            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-                .count());
+        const std::chrono::duration<double, std::milli> taken =
+            std::chrono::steady_clock::now() - start;
+        best_ms = std::min(best_ms, taken.count());
     }
     return best_ms;
 }
@@ -314,22 +313,25 @@ void compare_orbit(const Options& options,
         true_changes.mean);
 }
 
-// The person's own colours replace the cameras' pictures: the room's colours must not mix into the
-// pixels at the outline.
-void show_person_alone(std::span<const geometry::CalibratedCamera> rig,
-                       const simulation::RoomOptions& room,
-                       std::vector<TruePicture>& pictures) {
-    std::vector<geometry::CalibratedCamera> cameras;
-    for (const TruePicture& picture : pictures) cameras.push_back(picture.camera);
-    std::vector<Photo> photos = value_of(test::photograph_truth(rig, room, kTime_s, cameras));
-    for (std::size_t i = 0; i < pictures.size(); ++i) pictures[i].bgr.swap(photos[i].bgr);
+// Before a green screen, whose colour mixes into the pixels at the outline.
+void compare_screen(const Options& options) {
+    if (!wants(options, "screen")) return;
+    const auto rig = value_of(config::load_rig(options.rig)).cameras;
+    simulation::RoomOptions room;
+    room.look = options.look;
+    const auto texturing = value_of(test::film_before_screen(rig, room, kTime_s, rig));
+    const auto person = value_of(test::receive_person(texturing, publishing(options)));
+    const auto viewpoints = test::free_viewpoints(20, 1000, 800.0);
+    auto views = value_of(test::film_before_screen(rig, room, kTime_s, viewpoints));
+    show_person_alone(rig, room, kTime_s, views);
+    compare_all("screen", person, views, options);
+    compare_full("screen", texturing, views, options);
 }
 
 void compare_room(const Options& options) {
     if (!wants(options, "room") && !wants(options, "orbit")) return;
-    std::vector<geometry::CalibratedCamera> cameras =
-        value_of(config::load_rig(options.rig)).cameras;
-    const std::vector<geometry::CalibratedCamera> rig = cameras;
+    const auto rig = value_of(config::load_rig(options.rig)).cameras;
+    std::vector<geometry::CalibratedCamera> cameras = rig;
     for (const auto& camera : test::free_viewpoints(20, 1000, 800.0)) cameras.push_back(camera);
     simulation::RoomOptions room;
     room.look = options.look;
@@ -338,7 +340,7 @@ void compare_room(const Options& options) {
     const auto person = value_of(test::receive_person(texturing, publishing(options)));
     // at its own pose, though, a camera's picture is the truth itself
     const std::vector<TruePicture> filmed(texturing.begin(), texturing.end());
-    show_person_alone(rig, room, pictures);
+    show_person_alone(rig, room, kTime_s, pictures);
     if (wants(options, "room")) {
         compare_all("room", person, std::span(pictures).subspan(rig.size()), options);
         compare_own("room", person, filmed, options);
@@ -361,7 +363,7 @@ int run(int argc, char** argv) {
         options.publishing,
         "of textures: at half or full resolution through the codec, or as the cameras have them",
         {"half", "full", "uncoded"});
-    set.add("only", options.only, "scenes whose names begin so: ring20, room, orbit");
+    set.add("only", options.only, "scenes whose names begin so: ring20, room, orbit, screen");
     set.add("pictures", options.pictures, "folder for pictures side by side: real, viewer, others");
     set.add("orbit-steps",
             options.orbit_steps,
@@ -387,6 +389,7 @@ int run(int argc, char** argv) {
     fmt::print("scene,view,way,psnr_db,inner_psnr_db,ssim,bare\n");
     compare_recording(options);
     compare_room(options);
+    compare_screen(options);
     return 0;
 }
 

@@ -19,7 +19,9 @@ SCENES = {"ring20": "ring20: 10 cameras give textures, shown where the other 10 
           "ring20 full": "ring20 with textures at full resolution, where the other 10 stood",
           "room full": "simulated room likewise, at 20 free viewpoints",
           "ring20 full own": "ring20 with textures at full resolution, at the poses of the cameras that gave them",
-          "room full own": "simulated room, likewise"}
+          "room full own": "simulated room, likewise",
+          "screen": "simulated person before a green screen: 8 cameras, shown at 20 free viewpoints",
+          "screen full": "likewise with textures at full resolution"}
 WAYS = {"viewer": "viewer", "nearest camera": "nearest camera alone", "equal": "all that face it, equally", "its texture": "the texture itself"}
 
 

@@ -3,6 +3,7 @@
 #include "core/image/block_luma.hpp"
 #include "site_node/texture/fill_background.hpp"
 #include "site_node/texture/full_resolution.hpp"
+#include "site_node/texture/outline_chroma.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -192,6 +193,7 @@ bool crop_texture(const image::YuvView& frame,
         copy_full(frame, mask, crop, out);
     else
         halve(frame, mask, crop, code, scratch, out);
+    clean_outline_chroma(frame, divisor, out);
     fill_background(out, code, scratch.blocks);
     return true;
 }

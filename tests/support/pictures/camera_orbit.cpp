@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kMiddle_m = 0.9;  // height of the target
 constexpr int kBlock_px = 16;
+constexpr std::array<std::uint8_t, 3> kScreenBgr{96, 150, 40};
 
 Photo on_grey(std::span<const std::uint8_t> rgba, int width, int height) {
     Photo photo{width, height, {}, image::Mask(width, height)};
@@ -102,11 +104,15 @@ std::vector<geometry::CalibratedCamera> free_viewpoints(int count, int side_px, 
     return cameras;
 }
 
-Expected<std::vector<Photo>> photograph_truth(
-    std::span<const geometry::CalibratedCamera> room_cameras,
-    const simulation::RoomOptions& options,
-    double time_s,
-    std::span<const geometry::CalibratedCamera> cameras) {
+namespace {
+
+// Calls `take` with each camera's drawing of the person (`PersonPainter::draw`).
+template <typename Take>
+Expected<void> draw_truth(std::span<const geometry::CalibratedCamera> room_cameras,
+                          const simulation::RoomOptions& options,
+                          double time_s,
+                          std::span<const geometry::CalibratedCamera> cameras,
+                          const Take& take) {
     const auto person = simulation::Person::create(options);
     if (!person) return tl::unexpected(person.error());
     int width = 0;
@@ -121,13 +127,57 @@ Expected<std::vector<Photo>> photograph_truth(
     simulation::PosedSkin skin;
     person->pose(time_s, skin);
     painter->set_pose(skin);
-    std::vector<Photo> photos;
     for (const geometry::CalibratedCamera& camera : cameras) {
         const geometry::PinholeCamera& lens = camera.intrinsics;
-        photos.push_back(on_grey(
-            painter->draw(camera, {0, 0, lens.width, lens.height}), lens.width, lens.height));
+        take(camera, painter->draw(camera, {0, 0, lens.width, lens.height}));
     }
+    return {};
+}
+
+}  // namespace
+
+Expected<std::vector<Photo>> photograph_truth(
+    std::span<const geometry::CalibratedCamera> room_cameras,
+    const simulation::RoomOptions& options,
+    double time_s,
+    std::span<const geometry::CalibratedCamera> cameras) {
+    std::vector<Photo> photos;
+    const auto drawn =
+        draw_truth(room_cameras, options, time_s, cameras, [&](const auto& camera, auto rgba) {
+            photos.push_back(on_grey(rgba, camera.intrinsics.width, camera.intrinsics.height));
+        });
+    if (!drawn) return tl::unexpected(drawn.error());
     return photos;
+}
+
+Expected<std::vector<TruePicture>> film_before_screen(
+    std::span<const geometry::CalibratedCamera> room_cameras,
+    const simulation::RoomOptions& options,
+    double time_s,
+    std::span<const geometry::CalibratedCamera> cameras) {
+    std::vector<TruePicture> pictures;
+    const auto drawn =
+        draw_truth(room_cameras, options, time_s, cameras, [&](const auto& camera, auto rgba) {
+            const auto& lens = camera.intrinsics;
+            TruePicture& picture = pictures.emplace_back();
+            picture.camera = camera;
+            picture.mask = image::Mask(lens.width, lens.height);
+            picture.bgr.resize(picture.mask.data.size() * 3);
+            for (std::size_t i = 0; i < picture.mask.data.size(); ++i) {
+                const std::uint8_t* p = rgba.data() + 4 * i;
+                picture.mask.data[i] = p[3] >= 128 ? 255 : 0;
+                for (std::size_t c = 0; c < 3; ++c)
+                    picture.bgr[3 * i + c] = static_cast<std::uint8_t>(
+                        std::min(255, p[2 - c] + kScreenBgr[c] * (255 - p[3]) / 255));
+            }
+            image::yuv_from_bgr(picture.bgr.data(),
+                                lens.width,
+                                lens.height,
+                                static_cast<std::size_t>(lens.width) * 3,
+                                picture.yuv);
+        });
+    if (!drawn) return tl::unexpected(drawn.error());
+    return pictures;
 }
 
 PictureChanges changes(std::span<const Photo> photos) {

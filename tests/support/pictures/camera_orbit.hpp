@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/geometry/pinhole_camera.hpp"
 #include "simulation/person.hpp"
+#include "tests/support/pictures/filmed_person.hpp"
 #include "tests/support/pictures/person_photographer.hpp"
 
 #include <Eigen/Core>
@@ -29,6 +30,14 @@ std::vector<geometry::CalibratedCamera> free_viewpoints(int count, int side_px, 
 /// The simulated person alone on grey, lit as in the room of `room_cameras`: the true surface in
 /// its true colours.
 Expected<std::vector<Photo>> photograph_truth(
+    std::span<const geometry::CalibratedCamera> room_cameras,
+    const simulation::RoomOptions& options,
+    double time_s,
+    std::span<const geometry::CalibratedCamera> cameras);
+
+/// Pictures of the simulated person, lit likewise, before a green screen. Pixels at the outline mix
+/// both. The mask is where the person covers at least half of a pixel.
+Expected<std::vector<TruePicture>> film_before_screen(
     std::span<const geometry::CalibratedCamera> room_cameras,
     const simulation::RoomOptions& options,
     double time_s,

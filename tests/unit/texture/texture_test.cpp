@@ -54,7 +54,10 @@ TEST(CropTexture, RectangleIsPaddedEvenAndInsideThePicture) {
 TEST(CropTexture, ForegroundKeepsItsColoursAndTheMaskIsTheMajorityOfFour) {
     TextureScratch scratch;
     codec::TextureCrop crop;
-    const image::YuvImage frame = noise_frame(128, 96, 2);
+    image::YuvImage frame = noise_frame(128, 96, 2);
+    for (image::Plane* plane : {&frame.u, &frame.v}) {  // too grey for clean_outline_chroma
+        for (std::uint8_t& value : plane->data) value = static_cast<std::uint8_t>(120 + value % 17);
+    }
     std::mt19937 random(3);
     std::bernoulli_distribution on(0.6);
     image::Mask mask(128, 96);
@@ -302,6 +305,88 @@ TEST(CropTexture, IsEqualForAllInstructionSets) {
         EXPECT_EQ(plain.v.data, avx2.v.data);
         EXPECT_EQ(plain.mask.data, avx2.mask.data);
     }
+}
+
+// A disc before a plain background. The chroma at its edge is the mean over the pixels.
+class DiscBefore {
+public:
+    DiscBefore(int u, int v) : frame_(noise_frame(kSize, kSize, 5)), mask_(kSize, kSize) {
+        for (int y = 0; y < kSize; ++y) {
+            for (int x = 0; x < kSize; ++x) mask_.row(y)[x] = covers(x, y) ? 255 : 0;
+        }
+        for (int y = 0; y < kSize / 2; ++y) {
+            for (int x = 0; x < kSize / 2; ++x) {
+                const double share = share_of(x, y);
+                frame_.u.row(y)[x] = mixed(kU, u, share);
+                frame_.v.row(y)[x] = mixed(kV, v, share);
+            }
+        }
+    }
+
+    codec::TextureCrop crop(Resolution resolution) const {
+        TextureScratch scratch;
+        codec::TextureCrop out;
+        EXPECT_TRUE(crop_texture(
+            frame_, mask_, test::bounding_rect(mask_), {.resolution = resolution}, scratch, out));
+        return out;
+    }
+
+    // Sum over the foreground of the distance of the chroma from the disc's.
+    double error_of(const codec::TextureCrop& crop) const {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < crop.mask.data.size(); ++i) {
+            if (crop.mask.data[i] != 0) sum += std::hypot(crop.u.data[i] - kU, crop.v.data[i] - kV);
+        }
+        return sum;
+    }
+
+    // The same for the picture.
+    double error_of_picture(const codec::TextureCrop& crop) const {
+        codec::TextureCrop plain = crop;
+        for (int y = 0; y < crop.height(); ++y) {
+            for (int x = 0; x < crop.width(); ++x) {
+                plain.u.row(y)[x] = frame_.u.at(crop.crop_px.x / 2 + x, crop.crop_px.y / 2 + y);
+                plain.v.row(y)[x] = frame_.v.at(crop.crop_px.x / 2 + x, crop.crop_px.y / 2 + y);
+            }
+        }
+        return error_of(plain);
+    }
+
+private:
+    static constexpr int kSize = 160;
+    static constexpr int kU = 110;
+    static constexpr int kV = 150;
+    static bool covers(double x, double y) { return std::hypot(x - 80.3, y - 78.8) < 55.0; }
+    static double share_of(int x, int y) {
+        int num = 0;
+        for (int dy = 0; dy < 16; ++dy) {
+            for (int dx = 0; dx < 16; ++dx)
+                num += covers(2 * x - 0.5 + (dx + 0.5) / 8, 2 * y - 0.5 + (dy + 0.5) / 8);
+        }
+        return num / 256.0;
+    }
+    static std::uint8_t mixed(int person, int background, double share) {
+        return static_cast<std::uint8_t>(std::lround(share * person + (1.0 - share) * background));
+    }
+
+    image::YuvImage frame_;
+    image::Mask mask_;
+};
+
+TEST(CropTexture, TheHueOfAColouredBackgroundLeavesTheOutline) {
+    const DiscBefore green(90, 85);
+    const codec::TextureCrop half = green.crop(Resolution::kHalf);
+    EXPECT_GT(green.error_of_picture(half), 1000.0);
+    EXPECT_LT(green.error_of(half), 0.5 * green.error_of_picture(half));
+    // interpolated chroma also mixes further inside
+    const codec::TextureCrop full = green.crop(Resolution::kFull);
+    EXPECT_LT(green.error_of(full), 0.6 * 4.0 * green.error_of_picture(half));
+}
+
+TEST(CropTexture, ChromaBeforeAGreyBackgroundStaysAsItIs) {
+    const DiscBefore grey(128, 128);
+    const codec::TextureCrop half = grey.crop(Resolution::kHalf);
+    EXPECT_EQ(grey.error_of(half), grey.error_of_picture(half));
 }
 
 }  // namespace

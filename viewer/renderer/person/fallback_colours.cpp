@@ -14,7 +14,7 @@ constexpr float kLeastWeight = 1.0f;  // of 255: less has no colour
 constexpr float kCertainWeight = 96.0f;
 constexpr float kNeighbourWeight = 8.0f;  // of each neighbour, beside a vertex's own colour
 constexpr int kMaxSteps = 24;             // edges; vertices farther away get the mean colour
-constexpr int kSmoothings = 12;
+constexpr int kSmoothings = 8;
 
 bool has_bare_corner(const std::array<std::uint32_t, 3>& triangle,
                      const std::vector<std::uint8_t>& is_coloured) {
@@ -87,20 +87,29 @@ void spread(const Eigen::Vector3f& mean, FallbackScratch& scratch, PersonModel& 
 }
 
 void smooth(FallbackScratch& scratch, PersonModel& model) {
-    scratch.sums.resize(model.fallback.size());
+    // the fourth component is the weight: 1 of a colour
+    scratch.colours.resize(model.fallback.size());
+    for (std::size_t v = 0; v < model.fallback.size(); ++v) {
+        scratch.colours[v] << model.fallback[v], 1.0f;
+        scratch.colours[v] *= kNeighbourWeight;
+    }
+    scratch.sums.assign(model.fallback.size(), Eigen::Vector4f::Zero());
     for (int i = 0; i < kSmoothings; ++i) {
         for (const std::uint32_t v : scratch.uncertain) scratch.sums[v] = scratch.seen[v];
         for (const std::uint32_t t : scratch.around) {
             const auto& [a, b, c] = model.triangles[t];
-            const Eigen::Vector3f all = model.fallback[a] + model.fallback[b] + model.fallback[c];
-            for (const std::uint32_t v : {a, b, c}) {
-                scratch.sums[v].head<3>() += kNeighbourWeight * (all - model.fallback[v]);
-                scratch.sums[v].w() += 2.0f * kNeighbourWeight;
-            }
+            const Eigen::Vector4f of_a = scratch.colours[a];
+            const Eigen::Vector4f of_b = scratch.colours[b];
+            const Eigen::Vector4f of_c = scratch.colours[c];
+            scratch.sums[a] += of_b + of_c;
+            scratch.sums[b] += of_c + of_a;
+            scratch.sums[c] += of_a + of_b;
         }
         for (const std::uint32_t v : scratch.uncertain)
-            model.fallback[v] = scratch.sums[v].head<3>() / scratch.sums[v].w();
+            scratch.colours[v] = scratch.sums[v] * (kNeighbourWeight / scratch.sums[v].w());
     }
+    for (const std::uint32_t v : scratch.uncertain)
+        model.fallback[v] = scratch.colours[v].head<3>() / kNeighbourWeight;
 }
 
 }  // namespace

@@ -11,8 +11,9 @@
 namespace atrium::renderer {
 
 struct FallbackScratch {
-    std::vector<Eigen::Vector4f> seen;  // per vertex: colour times weight, and weight
-    std::vector<Eigen::Vector4f> sums;  // per vertex, over its neighbours
+    std::vector<Eigen::Vector4f> seen;     // per vertex: colour times weight, and weight
+    std::vector<Eigen::Vector4f> colours;  // per vertex: being smoothed
+    std::vector<Eigen::Vector4f> sums;     // per vertex, over its neighbours
     std::vector<std::uint8_t> is_coloured;
     std::vector<std::uint32_t> uncertain;  // vertices
     std::vector<std::uint32_t> around;     // triangles with an uncertain corner
