@@ -33,7 +33,8 @@ struct TextureScratch {
 /// full resolution Y and mask are unchanged and U and V are interpolated, as is Y of a mosaic. A
 /// subject of more than kMaxFullPixels stays at half resolution.
 ///
-/// The background of the result is smooth (fill_background).
+/// The chroma of a coloured background is taken out of the outline (clean_outline_chroma). The
+/// background of the result is smooth (fill_background).
 ///
 /// Returns false and leaves `out` unchanged if `subject` is empty. `subject` must lie in the
 /// picture. `mask` has the size of `frame`; a last odd column or row, which a 4:2:0 picture cannot
