@@ -46,11 +46,10 @@ struct Viewer::Impl {
           session(std::move(of)),
           picture(config, std::move(display)),
           control(camera, config.view.name, picture.display.is_tile()),
-          viewpoints(ViewpointBook(config.viewpoints, config.viewpoint_file, config.bus.world)),
           models(config.models),
+          viewpoints(ViewpointBook(config.viewpoints, config.viewpoint_file, config.bus.world)),
           output_files(config),
-          statistics(config.view.name),
-          membership(config.bus.world) {
+          statistics(config.view.name) {
         hud.world = config.bus.world;
         hud.has_other_worlds = config.has_other_worlds;
         list_viewpoints();

@@ -18,7 +18,7 @@ constexpr double kOffTheFloorM = 0.01;
 constexpr double kMinSizeM = 0.02;
 constexpr double kMaxSizeM = 4.0;
 // pending commands watched; the world accepts 200 commands a second
-constexpr std::size_t kMaxPending = 64;
+constexpr std::size_t kMaxPendingEdits = 64;
 
 std::string valid_name(std::string name, bus::Shape shape) {
     name = name.substr(0, 63);
@@ -99,7 +99,7 @@ bus::SceneCommand SceneEditor::command(bus::CommandKind kind) const {
 }
 
 void SceneEditor::add_pending(PendingCommand pending) {
-    if (pending_.size() >= kMaxPending) pending_.erase(pending_.begin());
+    if (pending_.size() >= kMaxPendingEdits) pending_.erase(pending_.begin());
     pending_.push_back(std::move(pending));
 }
 
