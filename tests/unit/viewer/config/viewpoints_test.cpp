@@ -172,8 +172,10 @@ TEST_F(UserFiles, KeysKeepAndRecallViewpoints) {
     away.position_m.x() += 2.0;
     control.fly_to(away, begin);
     const std::map<std::uint32_t, bus::SceneObject> nothing;
+    const std::vector<bus::ObjectState> no_states;
     const auto later = begin + ViewFlight::kDuration;
-    const UserControl::Shown shown{{}, [](const Ray&) { return std::nullopt; }, {}, nothing};
+    const auto nobody = [](const Ray&) { return std::nullopt; };
+    const UserControl::Shown shown{{}, nobody, {}, nothing, nobody, no_states, {}};
     control.move({}, shown, later);
     EXPECT_EQ(control.camera(), away);
     EXPECT_EQ(viewpoints.handle({Kind::kGoNext, 0, ""}, control, later), "viewpoint 4: view 4");
