@@ -132,8 +132,9 @@ TEST_F(CommandLine, MissingFilesAndRecordingsAreNamed) {
     EXPECT_THAT(network.output, HasSubstr("/nonexistent/net.xml"));
 }
 
-const std::string kCamera =
-    "width = 64\nheight = 48\nfx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\ntranslation = [0, 0, 3]\n";
+const std::string kLens = "width = 64\nheight = 48\nfx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\n";
+const std::string kCamera = kLens + "translation = [0, 0, 3]\n";
+const std::string kCameraBeside = kLens + "translation = [1, 0, 3]\n";
 
 TEST_F(CommandLine, CameraWithASingularMatrixIsNamed) {
     file("rec/rig.toml",
@@ -149,7 +150,7 @@ TEST_F(CommandLine, CameraWithASingularMatrixIsNamed) {
 TEST_F(CommandLine, RecordingWithoutBackgroundNamesTheCamera) {
     file("rec/rig.toml",
          "[[camera]]\nname = \"a\"\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCamera +
-             "[[camera]]\nname = \"b\"\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCamera);
+             "[[camera]]\nname = \"b\"\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCameraBeside);
     // without a readable picture, the room cannot be learned from pictures with people either
     file("rec/a/frames/000000.png", "x");
     file("rec/b/frames/000000.png", "x");
