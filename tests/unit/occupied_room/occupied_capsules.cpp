@@ -36,6 +36,19 @@ CapsuleFilm::CapsuleFilm()
       bounds_site{{-1.2, -1.2, 0.0}, {1.2, 1.2, 2.0}} {
     for (std::size_t camera = 0; camera < cameras.size(); ++camera)
         rooms_.push_back(patterned_room(camera));
+    drawn_.resize(cameras.size());
+}
+
+const CapsuleFilm::Drawn& CapsuleFilm::drawn(std::size_t camera,
+                                             const Eigen::Vector3d& floor_site) {
+    std::optional<Drawn>& last = drawn_[camera];
+    if (!last || last->floor_site != floor_site) {
+        const auto body = site_node::test::make_body(floor_site);
+        last = Drawn{floor_site,
+                     site_node::test::draw(body, cameras[camera]),
+                     site_node::test::draw(std::span(body).subspan(2, 2), cameras[camera])};
+    }
+    return *last;
 }
 
 void CapsuleFilm::add_noise(image::YuvImage& picture) {
@@ -59,9 +72,7 @@ image::YuvImage CapsuleFilm::picture(std::size_t camera,
                                      const Eigen::Vector3d& floor_site,
                                      image::Mask* truth) {
     image::YuvImage picture = rooms_[camera];
-    const auto body = site_node::test::make_body(floor_site);
-    const image::Mask mask = site_node::test::draw(body, cameras[camera]);
-    const image::Mask legs = site_node::test::draw(std::span(body).subspan(2, 2), cameras[camera]);
+    const auto& [_, mask, legs] = drawn(camera, floor_site);
     for (int y = 0; y < kSide; ++y) {
         for (int x = 0; x < kSide; ++x) {
             if (mask.at(x, y) == 0) continue;

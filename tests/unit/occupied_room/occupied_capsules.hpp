@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <vector>
 
 namespace atrium::occupied_room::test {
@@ -29,8 +30,16 @@ public:
     geometry::Aabb bounds_site;
 
 private:
+    // The masks of a person at one place. Tests show the same place many times.
+    struct Drawn {
+        Eigen::Vector3d floor_site;
+        image::Mask body;
+        image::Mask legs;
+    };
+    const Drawn& drawn(std::size_t camera, const Eigen::Vector3d& floor_site);
     void add_noise(image::YuvImage& picture);
-    std::vector<image::YuvImage> rooms_;  // without noise
+    std::vector<image::YuvImage> rooms_;       // without noise
+    std::vector<std::optional<Drawn>> drawn_;  // the last of each camera
     std::uint32_t seed_ = 1;
 };
 

@@ -77,8 +77,13 @@ struct Film {
     std::vector<std::vector<image::Mask>> truth;
 };
 
+const Film& moving_film() {
+    static const Film film(0);
+    return film;
+}
+
 TEST(OccupiedRoom, LearnsTheRoomBehindAPersonWhoMoves) {
-    Film film(0);
+    const Film& film = moving_film();
     EXPECT_GT(film.iou(film.learn()), 0.85);
 }
 
@@ -119,8 +124,7 @@ TEST(OccupiedRoom, LearnsTheSameFromEmptyPictures) {
 }
 
 TEST(OccupiedRoom, NamesACameraWithTooFewPictures) {
-    Film film(0);
-    OccupiedRoom seen = film.seen();
+    OccupiedRoom seen = moving_film().seen();
     for (std::size_t i = 5; i < kInstants; ++i) seen.pictures[1][i] = {};
     const auto learned = learn_occupied_room(seen, {}, [](int, int) {}, {});
     EXPECT_TRUE(learned[0]);
@@ -130,11 +134,10 @@ TEST(OccupiedRoom, NamesACameraWithTooFewPictures) {
 }
 
 TEST(OccupiedRoom, StopsEarly) {
-    Film film(0);
     std::stop_source stop;
     stop.request_stop();
     const auto learned = learn_occupied_room(
-        film.seen(), {}, [](int, int) {}, stop.get_token());
+        moving_film().seen(), {}, [](int, int) {}, stop.get_token());
     ASSERT_EQ(learned.size(), 4u);
     for (const auto& room : learned) EXPECT_EQ(room.error().kind, ErrorKind::kUnavailable);
 }

@@ -1,6 +1,7 @@
 #include "site_node/rig_check/rig_geometry.hpp"
 
 #include "tests/support/random.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/shapes/rig_maker.hpp"
 #include "tests/support/shapes/scene_maker.hpp"
 
@@ -11,6 +12,8 @@ namespace atrium::rig_check {
 namespace {
 
 using testing::HasSubstr;
+
+constexpr std::uint64_t kNumRigs = test::kSanitized ? 10 : 60;
 
 std::vector<geometry::CalibratedCamera> scaled(std::vector<geometry::CalibratedCamera> cameras,
                                                double factor) {
@@ -26,7 +29,7 @@ std::string text_of(const std::vector<Finding>& findings) {
 }
 
 TEST(RigGeometry, FindsNothingInGoodRigs) {
-    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    for (std::uint64_t seed = 1; seed <= kNumRigs; ++seed) {
         test::Random random(seed);
         const test::Bodies bodies = test::make_bodies(test::BodyKind::kPeople, random);
         const auto kind = seed % 2 == 0 ? test::RigKind::kRing : test::RigKind::kAnywhere;
@@ -38,7 +41,7 @@ TEST(RigGeometry, FindsNothingInGoodRigs) {
 }
 
 TEST(RigGeometry, FindsNothingInCamerasAtOneWall) {
-    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    for (std::uint64_t seed = 1; seed <= kNumRigs; ++seed) {
         test::Random random(seed);
         auto cameras = test::make_ring_rig({.num_cameras = 2 + static_cast<int>(seed % 5)});
         for (auto& camera : cameras) {
