@@ -1,5 +1,7 @@
 #include "simulation/model_nodes.hpp"
 
+#include "core/base/looked_up.hpp"
+
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -96,8 +98,9 @@ Expected<const aiScene*> read_scene(const char* option,
                                     const std::filesystem::path& file,
                                     Assimp::Importer& importer) {
     if (!std::filesystem::is_regular_file(file)) {
-        return make_error(ErrorKind::kNotFound,
-                          fmt::format("{}: '{}': no such file", option, file.string()));
+        return make_error(
+            ErrorKind::kNotFound,
+            fmt::format("{}: '{}': no such file{}", option, file.string(), looked_up_from(file)));
     }
     // with pivots, bones would hang below animated helper nodes that Assimp mixes up
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);

@@ -2,6 +2,7 @@
 
 #include "core/app/log.hpp"
 #include "core/base/disk_space.hpp"
+#include "core/base/looked_up.hpp"
 #include "site_node/hull/input_limits.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
 
@@ -35,7 +36,7 @@ Expected<void> check_exists(const CaptureConfig& capture, const char* key, const
                     path.lexically_normal().string(),
                     is_from_file ? "; a path in a file is relative to the file: after copying it, "
                                    "correct the path or copy what it names"
-                                 : ""));
+                                 : looked_up_from(path)));
 }
 
 }  // namespace

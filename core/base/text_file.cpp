@@ -1,6 +1,7 @@
 #include "core/base/text_file.hpp"
 
 #include "core/base/descriptor.hpp"
+#include "core/base/looked_up.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -14,7 +15,8 @@ namespace atrium {
 Expected<std::string> read_text_file(const std::filesystem::path& file, std::size_t max_bytes) {
     const auto unreadable = [&](int error) {
         return make_error(ErrorKind::kNotFound,
-                          file.string() + ": cannot be read: " + std::strerror(error));
+                          file.string() + ": cannot be read: " + std::strerror(error) +
+                              (error == ENOENT ? looked_up_from(file) : std::string()));
     };
     const Descriptor opened(open(file.c_str(), O_RDONLY | O_CLOEXEC));
     if (opened.get() < 0) return unreadable(errno);

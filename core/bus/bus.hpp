@@ -51,7 +51,8 @@ public:
     std::vector<std::string> take_dds_log() const;
 
     /// Returns where this program is, for the log: "world=atrium domain=0 network=lan", and other
-    /// worlds of which `take_mismatches` saw programs: "other_worlds=studio,lab". Thread-safe.
+    /// worlds of which `take_mismatches` saw programs: "other_worlds=studio,lab". If this world's
+    /// name may be a misspelling of one of them, also "did_you_mean=studio". Thread-safe.
     std::string place() const;
 
     struct Impl;

@@ -6,6 +6,7 @@ void declare(BusOptions& options, config::OptionSet& set) {
     set.add("bus.world",
             options.world,
             "name of the shared world; programs of different worlds do not exchange data");
+    set.add_alias("world");
     set.add(
         "bus.domain", options.domain, "DDS domain; each domain uses its own UDP ports", {0, 230});
     set.add_word_or_path("bus.network",

@@ -4,6 +4,7 @@
 #include "core/bus/names.hpp"
 #include "core/bus/network_settings.hpp"
 #include "core/bus/topics.hpp"
+#include "core/config/spelling.hpp"
 
 #include <fmt/ranges.h>
 
@@ -117,6 +118,7 @@ Expected<Participant> Participant::create(const BusOptions& options) {
         std::move(*domain),
         std::move(*profiles),
         report_network(*network),
+        options.world,
         fmt::format(
             "world={} domain={} network={}", options.world, options.domain, options.network),
         std::move(*participant),
@@ -138,7 +140,12 @@ std::vector<std::string> Participant::take_dds_log() const {
 std::string Participant::place() const {
     const std::vector<std::string> others = impl_->peers.other_worlds();
     if (others.empty()) return impl_->place;
-    return fmt::format("{} other_worlds={}", impl_->place, fmt::join(others, ","));
+    const std::vector<std::string> meant = config::names_meant_by(impl_->world, others);
+    return fmt::format("{} other_worlds={}{}{}",
+                       impl_->place,
+                       fmt::join(others, ","),
+                       meant.empty() ? "" : " did_you_mean=",
+                       fmt::join(meant, ","));
 }
 
 }  // namespace atrium::bus

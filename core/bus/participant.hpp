@@ -23,6 +23,7 @@ struct Participant::Impl {
     Domain domain;
     QosProfiles profiles;
     NetworkReport network;
+    std::string world;
     std::string place;
     Entity participant;
     Entity publisher;   // in the world's partition

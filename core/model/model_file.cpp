@@ -1,5 +1,7 @@
 #include "core/model/model_file.hpp"
 
+#include "core/base/looked_up.hpp"
+
 #include <Eigen/LU>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -144,7 +146,7 @@ Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& 
     }
     std::error_code failure;
     if (!std::filesystem::is_regular_file(file, failure))
-        return wrong(ErrorKind::kNotFound, "there is no such file");
+        return wrong(ErrorKind::kNotFound, "there is no such file" + looked_up_from(file));
     const std::uintmax_t num_bytes = std::filesystem::file_size(file, failure);
     if (failure) return wrong(ErrorKind::kNotFound, failure.message());
     if (num_bytes > limits.max_file_bytes) {

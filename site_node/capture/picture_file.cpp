@@ -1,5 +1,7 @@
 #include "site_node/capture/picture_file.hpp"
 
+#include "site_node/capture/truncated_picture.hpp"
+
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
@@ -44,7 +46,40 @@ std::string why_unreadable(const fs::path& file) {
         const std::error_code reason(errno, std::generic_category());
         return "cannot read as a picture: " + reason.message();
     }
-    return "cannot read as a picture: the file is truncated or damaged, or no PNG or JPEG";
+    if (is_truncated_picture(file)) {
+        return "the file is truncated: it ends before its picture does; copy it again, or write it "
+               "again";
+    }
+    return "cannot read as a picture: the file is damaged, or no PNG or JPEG";
+}
+
+// What is found instead of pictures with the names of a recording.
+std::string why_none(const fs::path& folder, const std::string& stem) {
+    std::error_code failure;
+    if (!fs::is_directory(folder, failure)) {
+        return fmt::format(
+            "{}: no such folder, but rig.toml has a camera '{}'; copy its pictures, "
+            "or remove the camera from rig.toml",
+            folder.string(),
+            folder.filename().string());
+    }
+    std::string first;  // by name
+    for (const auto& entry : fs::directory_iterator(folder / stem, failure)) {
+        const std::string name = entry.path().filename().string();
+        if (first.empty() || name < first) first = name;
+    }
+    if (!first.empty()) {
+        return fmt::format(
+            "{}: found {}; wants 000000.png, 000001.png, ...: only the number of the instant, as "
+            ".png or .jpg; `calibrate import` renumbers pictures of other names",
+            (folder / stem).string(),
+            first);
+    }
+    return fmt::format("{}: there is no {}.avi|mp4|mkv, no {}/%06d.png|jpg and no {}.png|jpg",
+                       folder.string(),
+                       stem,
+                       stem,
+                       stem);
 }
 
 // The size in the header of a PNG file, which is quicker than decoding it.
@@ -106,7 +141,8 @@ void mask_from(const cv::Mat& picture, image::Mask& out) {
 
 struct PictureFile::Impl {
     fs::path path;
-    std::map<std::size_t, fs::path> images;  // empty for a video
+    std::map<std::size_t, fs::path> images;         // empty for a video
+    std::map<std::size_t, std::string> unreadable;  // reasons, by number
     cv::VideoCapture video;
     bool is_video = false;
     std::size_t num_pictures = 0;
@@ -144,13 +180,16 @@ struct PictureFile::Impl {
             return make_error(ErrorKind::kNotFound,
                               fmt::format("{}: has no picture {}", path.string(), index));
         }
-        decoded = cv::imread(it->second.string(), mode);
-        if (decoded.empty()) {
-            return make_error(
-                ErrorKind::kInvalidData,
-                fmt::format("{}: {}", it->second.string(), why_unreadable(it->second)));
-        }
-        return {};
+        // once: decoders print lines about bad files, and a looping recording meets them again
+        const auto known = unreadable.find(index);
+        if (known != unreadable.end()) return make_error(ErrorKind::kInvalidData, known->second);
+        decoded = cv::Mat();
+        if (!is_truncated_picture(it->second)) decoded = cv::imread(it->second.string(), mode);
+        if (!decoded.empty()) return {};
+        const std::string reason =
+            fmt::format("{}: {}", it->second.string(), why_unreadable(it->second));
+        unreadable.emplace(index, reason);
+        return make_error(ErrorKind::kInvalidData, reason);
     }
 
     Expected<void> read(std::size_t index, int mode) {
@@ -199,15 +238,7 @@ Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::strin
         }
         impl.num_pictures = impl.images.size();
     }
-    if (impl.images.empty()) {
-        return make_error(
-            ErrorKind::kNotFound,
-            fmt::format("{}: there is no {}.avi|mp4|mkv, no {}/%06d.png|jpg and no {}.png|jpg",
-                        folder.string(),
-                        stem,
-                        stem,
-                        stem));
-    }
+    if (impl.images.empty()) return make_error(ErrorKind::kNotFound, why_none(folder, stem));
     return file;
 }
 

@@ -1,5 +1,6 @@
 #include "site_node/capture/recording_source.hpp"
 
+#include "core/base/looked_up.hpp"
 #include "site_node/capture/pace.hpp"
 #include "site_node/capture/picture_file.hpp"
 
@@ -137,7 +138,9 @@ RecordingSource::~RecordingSource() = default;
 Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const RecordingOptions& options) {
     if (!fs::is_directory(options.folder)) {
         return make_error(ErrorKind::kNotFound,
-                          fmt::format("recording '{}': no such folder", options.folder.string()));
+                          fmt::format("recording '{}': no such folder{}",
+                                      options.folder.string(),
+                                      looked_up_from(options.folder)));
     }
     auto rig = config::load_rig(options.folder);
     if (!rig) return tl::unexpected(rig.error());

@@ -1,5 +1,7 @@
 #include "site_node/rig_check/hull_size.hpp"
 
+#include "site_node/rig_check/length_mistakes.hpp"
+
 #include <fmt/format.h>
 
 namespace atrium::rig_check {
@@ -23,22 +25,22 @@ std::optional<std::string> check_size(const geometry::Aabb& extent,
                                        size.y(),
                                        size.z(),
                                        volume_m3);
-    if (volume_m3 > kHugeVolume_m3 || size.maxCoeff() > kHugeExtent_m) {
-        return is + (coverage > 0.8 ? ": the translations of the rig look like another unit than "
-                                      "its key units says (\"m\", \"cm\", \"mm\", \"in\", \"ft\")"
-                                    : ": rotations or translations of the rig look wrong");
-    }
-    if (size.z() > kTall_m && coverage > 0.8) {
-        return is +
-               ": if nobody is that tall, the translations look like feet (units = \"ft\"), or "
-               "the focal lengths are too small";
-    }
-    if (volume_m3 < kTinyVolume_m3 && size.maxCoeff() < kTinyExtent_m && coverage > 0.8) {
-        return is +
-               ": if that is no hand, the translations of the rig look like another unit than "
-               "its key units says";
-    }
-    return std::nullopt;
+    const bool is_huge = volume_m3 > kHugeVolume_m3 || size.maxCoeff() > kHugeExtent_m;
+    const bool is_tiny = volume_m3 < kTinyVolume_m3 && size.maxCoeff() < kTinyExtent_m;
+    if (is_huge && coverage <= 0.8) return is + ": rotations or translations of the rig look wrong";
+    if (coverage <= 0.8 || (!is_huge && !is_tiny && size.z() <= kTall_m)) return std::nullopt;
+    const std::string mistake =
+        explain(likely_length_mistakes(size.z(), kPersonHeight, 1.0), kPersonHeight);
+    return fmt::format("{}: {}{}{}",
+                       is,
+                       is_tiny    ? "if that is no hand, "
+                       : !is_huge ? "if nobody is that tall, "
+                                  : "",
+                       mistake.empty() ? "the translations of the rig look like another unit than "
+                                         "its key units says (\"m\", \"cm\", \"mm\", \"in\", "
+                                         "\"ft\")"
+                                       : mistake,
+                       is_huge || is_tiny ? "" : "; or the focal lengths are too small");
 }
 
 }  // namespace atrium::rig_check

@@ -1,5 +1,7 @@
 #include "site_node/rig_check/rig_geometry.hpp"
 
+#include "site_node/rig_check/length_mistakes.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,22 +19,9 @@ constexpr double kTooNear_m = 0.02;
 // Length of the mean unit vector to the cameras: from one side, and from around.
 constexpr double kOneSided = 0.6;
 constexpr double kAround = 0.45;
-constexpr double kSmallRoom_m = 1.5;
-constexpr double kLargeRoom_m = 25.0;
 // A pinhole camera of more than this has no use: the focal length is in another unit.
 constexpr double kWidestView_deg = 150.0;
 constexpr double kNarrowestView_deg = 1.0;
-
-struct Unit {
-    const char* name;
-    const char* plural;
-    double metres;
-};
-constexpr std::array<Unit, 5> kUnits{{{"mm", "millimetres", 0.001},
-                                      {"cm", "centimetres", 0.01},
-                                      {"in", "inches", 0.0254},
-                                      {"ft", "feet", 0.3048},
-                                      {"m", "metres", 1.0}}};
 
 double widest_distance_m(std::span<const geometry::CalibratedCamera> cameras) {
     double widest = 0.0;
@@ -47,19 +36,11 @@ std::string length_text(double m) {
     return m < 0.1 ? fmt::format("{:.3g} mm", 1e3 * m) : fmt::format("{:.3g} m", m);
 }
 
-// The units with which cameras that are `number` apart in the file would fit into a room.
-std::string likely_units(double number, double unit_m) {
-    std::string names;
-    std::string values;
-    for (const Unit& unit : kUnits) {
-        const double distance_m = number * unit.metres;
-        if (unit.metres == unit_m || distance_m < kSmallRoom_m || distance_m > kLargeRoom_m)
-            continue;
-        names += (names.empty() ? "" : " or ") + std::string(unit.plural);
-        values += fmt::format("{}units = \"{}\"", values.empty() ? "" : " or ", unit.name);
-    }
-    if (names.empty()) return "the translations look wrong; check them, and the key units";
-    return fmt::format("the translations look like {}; write {} if they are", names, values);
+// The mistake with which cameras `widest_m` apart would fit into a room.
+std::string likely_mistake(double widest_m, double unit_m) {
+    const auto mistakes = likely_length_mistakes(widest_m, kRoomWidth, unit_m);
+    return mistakes.empty() ? "the translations look wrong; check them, and the key units"
+                            : explain(mistakes, kRoomWidth);
 }
 
 void check_distances(std::span<const geometry::CalibratedCamera> cameras,
@@ -70,13 +51,13 @@ void check_distances(std::span<const geometry::CalibratedCamera> cameras,
         findings.push_back({widest > kImpossible_m,
                             fmt::format("the cameras are up to {} apart: {}",
                                         length_text(widest),
-                                        likely_units(widest / unit_m, unit_m))});
+                                        likely_mistake(widest, unit_m))});
     } else if (widest < kTooNear_m) {
         findings.push_back(
             {true,
              fmt::format("the cameras are at most {} apart, and a hull needs different places: {}",
                          length_text(widest),
-                         widest > 1e-4 ? likely_units(widest / unit_m, unit_m)
+                         widest > 1e-4 ? likely_mistake(widest, unit_m)
                                        : "all translations say the same place; write those of the "
                                          "calibration")});
     }

@@ -247,9 +247,13 @@ std::string RigWatch::summary() const {
         worst = name;
     }
     if (counted == 0) return {};
-    return fmt::format("silhouettes looks={} explained={:.2f} worst={}:{:.2f} cut={:.2f}{}",
+    const double share = static_cast<double>(explained) / static_cast<double>(counted);
+    return fmt::format("silhouettes looks={} explained={:.2f} fit={} worst={}:{:.2f} cut={:.2f}{}",
                        num_looks_,
-                       static_cast<double>(explained) / static_cast<double>(counted),
+                       share,
+                       share >= kFineShare   ? "good"
+                       : share >= kPoorShare ? "fair"
+                                             : "poor",
                        worst,
                        worst_share,
                        static_cast<double>(rays - counted) / static_cast<double>(rays),

@@ -40,7 +40,8 @@ public:
     /// Returns the lines for the end of a run: findings with too few looks to report them before.
     std::vector<std::string> finish();
 
-    /// "silhouettes looks=12 explained=0.96 worst=cam3:0.91 cut=0.00"; empty if nobody was seen.
+    /// "silhouettes looks=12 explained=0.96 fit=good worst=cam3:0.91 cut=0.00"; empty if nobody was
+    /// seen. `fit`: good from kFineShare on, fair from kPoorShare on, else poor.
     /// `cut`: the share of the silhouettes that bounds or the borders of pictures cut.
     std::string summary() const;
 

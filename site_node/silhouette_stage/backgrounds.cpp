@@ -128,12 +128,12 @@ private:
         const auto quality = segmentation::background_quality(*room, segmentation_);
         app::log::info(
             "learned the empty room camera={} pictures={} noise={:.2f} coverage={:.3f} "
-            "foreground={:.5f}",
+            "false_foreground={:.3f}%",
             name,
             room->num_frames,
             quality.noise,
             quality.coverage,
-            learners_[camera].foreground_share(*room, segmentation_));
+            100.0 * learners_[camera].foreground_share(*room, segmentation_));
         if (source_.is_live() && quality.noise == 0.0) {
             app::log::warn(
                 "the pictures of the empty room have no noise, unlike those of any sensor "

@@ -64,7 +64,7 @@ private:
     Expected<void> find_scale();
     Expected<double> said_scale() const;
     Expected<void> find_up();
-    void doubt_up(const UpChoice& found);
+    void check_up(const UpChoice& found);
     Expected<void> find_floor();
     Expected<std::size_t> index_of(const std::string& name) const;
 
@@ -76,7 +76,8 @@ private:
             camera.camera_from_site = camera.camera_from_site * old_from_new;
     }
     void tell(std::string text) { result_.told.push_back(std::move(text)); }
-    void doubt(std::string text) { result_.unsure.push_back(std::move(text)); }
+    void check(std::string text) { result_.checks.push_back(std::move(text)); }
+    void problem(std::string text) { result_.problems.push_back(std::move(text)); }
 
     const ForeignRig& foreign_;
     const Said& said_;
@@ -120,12 +121,12 @@ void Concluder::read_poses() {
                         option_of(wanted)));
     }
     if (2 * convergence.num_looking < cameras_.size() + 1) {
-        doubt(
-            fmt::format("only {}: the cameras do not look at one room, or the poses mean "
+        problem(
+            fmt::format("poses: only {}: the cameras do not look at one room, or the poses mean "
                         "something else; check the calibration, or say --direction and --axes",
                         looking));
     } else if (!is_said && !choice.also_possible.empty()) {
-        doubt(
+        check(
             fmt::format("poses: {} would fit the cameras as well; if the person is broken, try {}",
                         describe(choice.also_possible.front()),
                         option_of(choice.also_possible.front())));
@@ -187,7 +188,7 @@ Expected<void> Concluder::find_scale() {
     }
     scale(unit.metres);
     tell(
-        fmt::format("lengths: {}{}: the cameras stand {:.2f} m from the place that they look at "
+        fmt::format("lengths: {}{}: the cameras stand {:.3g} m from the place that they look at "
                     "(median)",
                     unit.name,
                     !said_.units.empty()          ? ", as you say"
@@ -195,24 +196,35 @@ Expected<void> Concluder::find_scale() {
                     : foreign_.units.empty()      ? ", because that is a room"
                                                   : ", not " + foreign_.units + " as documented",
                     distance * unit.metres));
-    if (!unit.also_possible.empty() && said_.units.empty()) {
-        doubt(fmt::format("lengths: in {} it would be {:.2f} m; if that is right, say --units {}",
-                          unit.also_possible,
-                          distance * metres_of(unit.also_possible),
-                          unit.also_possible));
+    if (const std::string better = better_unit(distance, unit.name); !better.empty()) {
+        problem(fmt::format(
+            "lengths: {:.3g} m from the cameras to the place that they look at is unusual; "
+            "as {} it would be {:.2f} m: say --units {}, if the room is not that {}",
+            distance * unit.metres,
+            better,
+            distance * metres_of(better),
+            better,
+            distance * unit.metres > 1.0 ? "large" : "small"));
+    } else if (!unit.also_possible.empty() && said_.units.empty()) {
+        check(
+            fmt::format("lengths: {} is the likelier unit; in {} it would be {:.2f} m: --units {}",
+                        unit.name,
+                        unit.also_possible,
+                        distance * metres_of(unit.also_possible),
+                        unit.also_possible));
     }
     return {};
 }
 
 // The frame of the file stays, for +Z is up in every format that prescribes it.
-void Concluder::doubt_up(const UpChoice& found) {
+void Concluder::check_up(const UpChoice& found) {
     const std::string why =
         found.is_known ? fmt::format("the pictures are level along ({:.2f}, {:.2f}, {:.2f})",
                                      found.up.x(),
                                      found.up.y(),
                                      found.up.z())
                        : "the cameras are tilted too differently to tell";
-    doubt(
+    check(
         fmt::format("up: {}; +Z of the file is taken; if people lie or stand on their heads, say "
                     "--up +Y, -Y, ...",
                     why));
@@ -241,16 +253,16 @@ Expected<void> Concluder::find_up() {
             up.y(),
             up.z(),
             std::asin(std::min(found.tilt, 1.0)) * 57.2958);
-        doubt("up: taken from the pictures' horizon, good to a degree or two; --up says better");
+        check("up: taken from the pictures' horizon, good to a degree or two; --up says better");
     } else {
-        doubt_up(found);
+        check_up(found);
         return {};
     }
     const geometry::RigidTransform site_from_file{upright_from(up), Eigen::Vector3d::Zero()};
     move(site_from_file.inverse());
     const Eigen::Vector3d level = site_from_file.rotation * found.up;
     if (found.is_known && level.z() < 1.0 - kCrooked) {
-        doubt(
+        check(
             fmt::format("up: the pictures are upright along another direction, ({:.2f}, {:.2f}, "
                         "{:.2f}) of the new frame",
                         level.x(),
@@ -261,7 +273,7 @@ Expected<void> Concluder::find_up() {
     if (said_.up.empty() && foreign_.up.empty() && found.other_up) {
         int axis = 0;
         found.other_up->cwiseAbs().maxCoeff(&axis);
-        doubt(
+        check(
             fmt::format("up: if the cameras lie on their side, up is about {0}{1}: say --up {0}{1}",
                         (*found.other_up)[axis] > 0.0 ? '+' : '-',
                         "XYZ"[axis]));
@@ -292,13 +304,13 @@ Expected<void> Concluder::find_floor() {
     const bool is_plausible = aim > kLowestAim_m && aim < kHighestAim_m && lowest > -0.1;
     if (said_.height) return {};
     if (!foreign_.has_frame || is_turned_) {
-        doubt(
+        check(
             fmt::format("floor: unknown; {} m below what the cameras look at is assumed; measure "
                         "the height of one camera: --camera-height {} 2.10",
                         kUsualAim_m,
                         cameras_[0].name));
     } else if (!is_plausible) {
-        doubt(
+        check(
             fmt::format("floor: z = 0 of the file is {:.2f} m below what the cameras look at, and "
                         "the lowest camera is at {:.2f} m; if that is not the floor, measure the "
                         "height of one camera: --camera-height {} 2.10",

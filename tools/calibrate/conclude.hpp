@@ -13,7 +13,7 @@ namespace atrium::calibrate {
 
 /// What the user knows better than the file and the cameras' geometry.
 struct Said {
-    std::string units;  // "m", "cm", "mm"; empty: find out
+    std::string units;  // "m", "cm", "mm", "in", "ft"; empty: find out
     std::string up;     // "+Z", "-Y", ...; empty: find out
     std::optional<Reading::Pose> pose;
     std::optional<bool> opengl;
@@ -34,8 +34,9 @@ struct Said {
 
 struct Conclusion {
     config::Rig rig;
-    std::vector<std::string> told;    // sentences: what was found out, with figures
-    std::vector<std::string> unsure;  // what could not be known, with the cure
+    std::vector<std::string> told;      // sentences: what was found out, with figures
+    std::vector<std::string> checks;    // assumptions, with the option that changes each
+    std::vector<std::string> problems;  // no person, or a wrong one, will be seen; with the cure
 };
 
 /// Gives cameras a picture size: to those without one, and, in the same shape, instead of another

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <string_view>
 
 namespace atrium::calibrate {
 namespace {
@@ -27,7 +29,8 @@ std::vector<std::string> comments(const ForeignRig& foreign,
     std::vector<std::string> lines{
         fmt::format("Imported from {} ({}) by `calibrate import`.", files, foreign.format)};
     lines.insert(lines.end(), conclusion.told.begin(), conclusion.told.end());
-    for (const std::string& doubt : conclusion.unsure) lines.push_back("unsure: " + doubt);
+    for (const std::string& check : conclusion.checks) lines.push_back("check: " + check);
+    for (const std::string& problem : conclusion.problems) lines.push_back("problem: " + problem);
     return lines;
 }
 
@@ -71,17 +74,38 @@ Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Sa
     return {};
 }
 
+// As a shell takes it.
+std::string quoted(const std::string& word) {
+    const bool is_plain = std::ranges::all_of(word, [](unsigned char c) {
+        return std::isalnum(c) != 0 ||
+               std::string_view("/._-+=:@%,").find(static_cast<char>(c)) != std::string_view::npos;
+    });
+    return is_plain ? word : "'" + word + "'";
+}
+
+std::vector<std::string> next_commands(const ImportOptions& options) {
+    const auto program = [&](const char* name) { return quoted(options.programs + name); };
+    const bool is_recording = !options.recording.empty();
+    return {program("world_server"),
+            fmt::format("{} --site.name lab {} {}{}",
+                        program("site_node"),
+                        is_recording ? "--recording" : "--capture.source simulated --capture.rig",
+                        quoted(options.output.string()),
+                        is_recording ? " --capture.loop" : ""),
+            program("viewer") + " --world atrium"};
+}
+
 // Reads the recording as a site will.
-Expected<void> prove(const fs::path& folder) {
+Expected<void> prove(const fs::path& folder, std::size_t first_complete) {
     const auto source = capture::RecordingSource::open({.folder = folder});
     if (!source) return tl::unexpected(source.error());
-    const auto frame = (*source)->read_frame(0);
+    const auto frame = (*source)->read_frame(first_complete);
     if (!frame) return tl::unexpected(frame.error());
     return {};
 }
 
 Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
-    auto material = gather(names_of(rig), options.recording, options.background);
+    auto material = gather(names_of(rig), {options.recording, options.background, options.masks});
     if (!material) return material;
     std::erase_if(rig.cameras, [&](const ForeignCamera& camera) {
         return !material->frames.contains(camera.name);
@@ -119,27 +143,28 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     const std::string text = rig_text(conclusion->rig, comments(foreign, options, *conclusion));
     if (auto written = write_text(rig_file, text, options.force); !written)
         return tl::unexpected(written.error());
-    if (auto proven = prove(options.output); !proven) return tl::unexpected(proven.error());
-    ImportReport report{material->told, material->unsure, ""};
+    if (auto proven = prove(options.output, material->first_complete); !proven)
+        return tl::unexpected(proven.error());
+    ImportReport report{
+        material->told, material->checks, material->problems, next_commands(options)};
     append(report.told, conclusion->told);
-    append(report.unsure, conclusion->unsure);
+    append(report.checks, conclusion->checks);
+    append(report.problems, conclusion->problems);
     if (!options.has_rate) {
         report.told.push_back(fmt::format(
             "rate: {:.4g} Hz{}",
             conclusion->rig.rate_hz,
-            material->rate_hz > 0.0 ? ", as in the videos" : ", assumed; --rate says better"));
+            material->rate_hz > 0.0 ? ", as the videos say" : ", assumed; --rate says better"));
     }
-    report.next = fmt::format(
-        "site_node --site.name lab --capture.source recording --capture.recording {} "
-        "--capture.loop",
-        options.output.string());
     return report;
 }
 
 }  // namespace
 
 Expected<ImportReport> import(const ImportOptions& options) {
-    auto foreign = read_foreign(options.files, options.format);
+    const auto files = with_folders_opened(options.files);
+    if (!files) return tl::unexpected(files.error());
+    auto foreign = read_foreign(*files, options.format);
     if (!foreign) return tl::unexpected(foreign.error());
     if (!options.recording.empty()) return import_recording(*foreign, options);
     const auto conclusion = conclude(*foreign, options.said);
@@ -150,11 +175,7 @@ Expected<ImportReport> import(const ImportOptions& options) {
     const auto checked = config::load_rig(options.output);
     if (!checked) return tl::unexpected(checked.error());
     return ImportReport{
-        conclusion->told,
-        conclusion->unsure,
-        fmt::format("site_node --site.name lab --capture.source simulated --capture.rig {}   (a "
-                    "simulated person, as your cameras would see it; with pictures: --recording)",
-                    options.output.string())};
+        conclusion->told, conclusion->checks, conclusion->problems, next_commands(options)};
 }
 
 }  // namespace atrium::calibrate

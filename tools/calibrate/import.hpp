@@ -18,15 +18,18 @@ struct ImportOptions {
     bool has_rate = false;
     std::filesystem::path recording;   // folder with pictures; empty: only the calibration
     std::filesystem::path background;  // folder with pictures of the empty room
+    std::filesystem::path masks;       // folder with masks of the people
+    std::string programs;              // before names of programs: "build/bin/"; or empty
     bool copy = false;
     bool force = false;
 };
 
-/// What was done, as lines for people. `unsure` ones name what could not be known, and the cure.
+/// What was done, as lines for people.
 struct ImportReport {
     std::vector<std::string> told;
-    std::vector<std::string> unsure;
-    std::string next;  // the command to run
+    std::vector<std::string> checks;    // assumptions, and the option that changes each
+    std::vector<std::string> problems;  // a site will fail, or show no person or a wrong one; cures
+    std::vector<std::string> next;      // commands, each for a terminal of its own
 };
 
 /// Reads calibrations of other programs and writes rig.toml, or a recording with it. rig.toml comes

@@ -1,3 +1,4 @@
+#include "core/app/process.hpp"
 #include "tools/calibrate/import.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
 #include "tools/calibrate/subcommands.hpp"
@@ -7,6 +8,8 @@
 
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
+#include <sstream>
 
 namespace atrium::calibrate {
 namespace {
@@ -52,7 +55,7 @@ void add_distance(CLI::App& command, Said& said) {
 
 void add_frame_options(CLI::App& command, Said& said) {
     command.add_option("--units", said.units, "unit of the file's lengths; default: found out")
-        ->check(CLI::IsMember({"m", "cm", "mm"}));
+        ->check(CLI::IsMember({"m", "cm", "mm", "in", "ft"}));
     command
         .add_option_function<std::string>(
             "--direction",
@@ -61,15 +64,17 @@ void add_frame_options(CLI::App& command, Said& said) {
                             : word == "site_from_camera" ? Reading::Pose::kSiteFromCamera
                                                          : Reading::Pose::kRotationAndPosition;
             },
-            "meaning of rotation and translation; position: a rotation camera_from_site, with the "
-            "camera's position; default: found out")
+            "what rotation R and translation t of the file do. camera_from_site: R * p + t takes a "
+            "point p of the room to the camera; site_from_camera: from the camera to the room; "
+            "position: t is where the camera stands, and R turns the room into the camera; "
+            "default: found out")
         ->check(CLI::IsMember({"camera_from_site", "site_from_camera", "position"}));
     command
         .add_option_function<std::string>(
             "--axes",
             [&said](const std::string& word) { said.opengl = word == "opengl"; },
-            "cameras look along +Z with +Y down (opencv) or along -Z with +Y up (opengl); default: "
-            "found out")
+            "axes of a camera: it looks along +Z with +Y down (opencv), or along -Z with +Y up "
+            "(opengl); default: found out")
         ->check(CLI::IsMember({"opencv", "opengl"}));
     command.add_option("--up", said.up, "axis of the file that points up; default: found out")
         ->type_name("+X|-X|+Y|-Y|+Z|-Z")
@@ -111,24 +116,60 @@ void add_picture_options(CLI::App& command, ImportOptions& options) {
     auto* recording = command.add_option(
         "--recording",
         options.recording,
-        "folder with videos or pictures of these cameras: makes a recording of them; -o is then "
-        "its folder");
+        "folder with the videos or pictures of these cameras; -o then names the folder of the new "
+        "recording");
     command
         .add_option("--background",
                     options.background,
                     "folder with videos or pictures of the empty room; default: those below "
                     "--recording with background, empty or bg in their names")
         ->needs(recording);
+    command
+        .add_option("--masks",
+                    options.masks,
+                    "folder with masks of the people as pictures, one per picture of each camera; "
+                    "default: those below --recording with mask, silhouette, matte or seg in their "
+                    "names")
+        ->needs(recording);
     command.add_flag("--copy", options.copy, "copy the pictures instead of linking them")
         ->needs(recording);
+}
+
+// "build/bin/" or the like, so that the commands of `next:` run; empty for programs on the PATH.
+std::string programs_prefix() {
+    namespace fs = std::filesystem;
+    const fs::path folder = app::program_folder();
+    std::error_code failure;
+    const char* search = std::getenv("PATH");
+    std::istringstream folders(search == nullptr ? "" : search);
+    for (std::string entry; std::getline(folders, entry, ':');) {
+        if (fs::equivalent(entry, folder, failure)) return {};
+    }
+    const fs::path relative = folder.lexically_relative(fs::current_path(failure));
+    const bool is_below = !relative.empty() && *relative.begin() != "..";
+    return folder.empty()
+               ? std::string()
+               : ((is_below ? fs::path(".") / relative : folder).lexically_normal() / "").string();
 }
 
 Expected<void> run_import(const ImportOptions& options) {
     const auto report = import(options);
     if (!report) return tl::unexpected(report.error());
     for (const std::string& line : report->told) fmt::print("{}\n", line);
-    for (const std::string& line : report->unsure) fmt::print("unsure: {}\n", line);
-    fmt::print("wrote {}\nnext: {}\n", options.output.string(), report->next);
+    for (const std::string& line : report->checks) fmt::print("check: {}\n", line);
+    for (const std::string& line : report->problems) fmt::print("problem: {}\n", line);
+    fmt::print("wrote {}\n", options.output.string());
+    if (!report->problems.empty()) {
+        fmt::print("solve first: {} above\n",
+                   report->problems.size() == 1
+                       ? "the problem"
+                       : fmt::format("the {} problems", report->problems.size()));
+    }
+    fmt::print("next: in three terminals{}\n",
+               options.recording.empty()
+                   ? "; a simulated person stands in the room, as your cameras would see it"
+                   : "");
+    for (const std::string& command : report->next) fmt::print("    {}\n", command);
     return {};
 }
 
@@ -149,10 +190,17 @@ void add_import(CLI::App& app, Action& action) {
         "import", "makes a rig.toml, or a recording, from the calibration of another program");
     command->footer(kImportExamples);
     command
-        ->add_option("files", options->files, "calibration files, or the folder of a COLMAP model")
+        ->add_option("files",
+                     options->files,
+                     "calibration files, a folder of them, or the folder of a COLMAP model")
         ->required()
         ->type_name("FILE");
-    command->add_option("-o,--output", options->output, "the rig.toml to write")->required();
+    command
+        ->add_option("-o,--output",
+                     options->output,
+                     "file to write, rig.toml of the room; with --recording: the folder of the new "
+                     "recording")
+        ->required();
     std::vector<std::string> formats = format_names();
     formats.insert(formats.begin(), "auto");
     command->add_option("--format", options->format, "program that wrote the files")
@@ -161,6 +209,7 @@ void add_import(CLI::App& app, Action& action) {
     add_frame_options(*command, options->said);
     add_picture_options(*command, *options);
     command->add_flag("--force", options->force, "replace what -o names");
+    options->programs = programs_prefix();
     command->callback([options, &action] { action = [options] { return run_import(*options); }; });
 }
 

@@ -1,6 +1,7 @@
 #include "viewer/scene/texture_library.hpp"
 
 #include "core/app/log.hpp"
+#include "core/base/looked_up.hpp"
 #include "core/bus/names.hpp"
 
 #include <fmt/format.h>
@@ -59,7 +60,8 @@ Expected<std::vector<std::uint8_t>> bytes_of(const std::filesystem::path& file,
                                              std::uintmax_t max_bytes) {
     std::error_code failure;
     if (!std::filesystem::is_regular_file(file, failure))
-        return make_error(ErrorKind::kNotFound, fmt::format("{}: no such file", file.string()));
+        return make_error(ErrorKind::kNotFound,
+                          fmt::format("{}: no such file{}", file.string(), looked_up_from(file)));
     const std::uintmax_t num_bytes = std::filesystem::file_size(file, failure);
     if (failure || num_bytes > max_bytes) {
         return make_error(
@@ -159,7 +161,11 @@ void TextureLibrary::forget() {
 // Warns once per file.
 void TextureLibrary::complain(const std::string& file, const std::string& why) {
     if (complained_.size() >= limits_.max_textures || !complained_.insert(file).second) return;
-    app::log::warn("texture_missing {}: {}; drawn in its plain colour", file, why);
+    app::log::warn(
+        "texture_missing {}: {}; drawn in its plain colour; give the folder of the world's models "
+        "and textures with --viewer.models",
+        file,
+        why);
 }
 
 }  // namespace atrium::viewer

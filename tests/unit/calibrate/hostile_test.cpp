@@ -180,5 +180,28 @@ TEST(Hostile, NamesOfCamerasAreMadeSafe) {
     EXPECT_EQ(rig->notes.size(), 4u);
 }
 
+// A file that was cut off says so, with the line where it ends.
+TEST(Hostile, NamesTheLineOfAFileThatIsCutOff) {
+    atrium::test::Random random(3);
+    const test::Folder folder;
+    const auto cameras = test::random_room(random, 3);
+    const std::string yaml = test::opencv_yaml(cameras, 1.0);
+    const std::string toml = test::caliscope_toml(cameras);
+    const auto error_of = [&](const std::string& name, const std::string& text) {
+        const auto rig = read_foreign({folder.write(name, text)}, "auto");
+        return rig ? std::string() : rig.error().message;
+    };
+    const std::size_t in_data = yaml.find("data: [", yaml.size() / 2) + 20;
+    EXPECT_THAT(error_of("a.yml", yaml.substr(0, in_data)),
+                testing::AllOf(testing::HasSubstr("FileStorage: line "),
+                               testing::HasSubstr("the file may be cut off"),
+                               testing::Not(testing::HasSubstr("persistence"))));
+    const std::size_t in_key = toml.find("matrix", toml.size() / 2) + 3;
+    EXPECT_THAT(error_of("a.toml", toml.substr(0, in_key)),
+                testing::AllOf(testing::HasSubstr("TOML: line "),
+                               testing::HasSubstr("the file may be cut off"),
+                               testing::Not(testing::HasSubstr("toml::"))));
+}
+
 }  // namespace
 }  // namespace atrium::calibrate

@@ -117,7 +117,7 @@ TEST(Judge, FindsUpOfPortraitPictures) {
         num_right += is_right ? 1 : 0;
         // where it errs, it says that it does not know
         if (!is_right) {
-            EXPECT_THAT(result->unsure, testing::Contains(testing::HasSubstr("--up"))) << seed;
+            EXPECT_THAT(result->checks, testing::Contains(testing::HasSubstr("--up"))) << seed;
         }
     }
     EXPECT_GT(num_right, kRigs / 3);
@@ -138,6 +138,44 @@ TEST(Judge, SaysWhatItCannotKnow) {
     const auto unknown = conclude(foreign_of(truth, {}, 1.0), said);
     ASSERT_FALSE(unknown);
     EXPECT_THAT(unknown.error().message, testing::HasSubstr("'nobody'"));
+}
+
+// The room is 1.6 to 5 m around its middle: a factor of 10 is unusual, and the right unit is named.
+TEST(Judge, NamesTheUnitThatWouldMakeARoom) {
+    for (std::uint64_t seed = 0; seed < kRigs; ++seed) {
+        atrium::test::Random random(4000 + seed);
+        const auto truth = test::random_room(random, atrium::test::between(random, 4, 12));
+        Said said;
+        said.units = "cm";
+        const auto wrong = conclude(foreign_of(truth, {}, 1000.0), said);
+        ASSERT_TRUE(wrong);
+        EXPECT_THAT(wrong->problems,
+                    testing::Contains(testing::AllOf(testing::HasSubstr("as mm it would be"),
+                                                     testing::HasSubstr("--units mm"))))
+            << seed;
+        said.units = "mm";
+        const auto right = conclude(foreign_of(truth, {}, 1000.0), said);
+        ASSERT_TRUE(right);
+        EXPECT_THAT(right->problems, testing::IsEmpty()) << seed;
+        // found out, it is not worth a word
+        const auto found = conclude(foreign_of(truth, {}, 1000.0), {});
+        ASSERT_TRUE(found);
+        EXPECT_THAT(found->checks, testing::Not(testing::Contains(testing::HasSubstr("lengths"))))
+            << seed;
+    }
+}
+
+TEST(Judge, KnowsInchesAndFeetIfTheUserSaysSo) {
+    atrium::test::Random random(8);
+    const auto truth = test::random_room(random, 5);
+    Said said;
+    for (const auto& [unit, per_m] :
+         {std::pair("in", 1.0 / 0.0254), std::pair("ft", 1.0 / 0.3048)}) {
+        said.units = unit;
+        const auto result = conclude(foreign_of(truth, {}, per_m), said);
+        ASSERT_TRUE(result);
+        EXPECT_TRUE(is_same_room(result->rig.cameras, truth)) << unit;
+    }
 }
 
 TEST(Judge, TurnsEveryAxisUp) {

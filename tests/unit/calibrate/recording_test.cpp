@@ -1,13 +1,11 @@
 // Pictures in the layouts of other programs become a recording.
-#include "site_node/capture/recording_source.hpp"
-#include "tests/unit/calibrate/foreign_texts.hpp"
-#include "tools/calibrate/import.hpp"
+#include "tests/unit/calibrate/recording_fixture.hpp"
+#include "tools/calibrate/recording/codec_rate.hpp"
 #include "tools/calibrate/recording/shots.hpp"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/videoio.hpp>
+
+#include <fstream>
 
 namespace atrium::calibrate {
 namespace {
@@ -15,63 +13,13 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
-void write_picture(const fs::path& file, int width, int height, int grey) {
-    fs::create_directories(file.parent_path());
-    ASSERT_TRUE(cv::imwrite(file.string(), cv::Mat(height, width, CV_8UC3, cv::Scalar::all(grey))));
-}
-
-void write_video(const fs::path& file, int width, int height, int num_frames) {
-    fs::create_directories(file.parent_path());
-    cv::VideoWriter video(
-        file.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25.0, {width, height});
-    ASSERT_TRUE(video.isOpened());
-    for (int i = 0; i < num_frames; ++i)
-        video.write(cv::Mat(height, width, CV_8UC3, cv::Scalar::all(20 + 20 * i)));
-}
-
-class ImportedRecording : public testing::Test {
-protected:
-    void SetUp() override {
-        atrium::test::Random random(21);
-        cameras_ = test::random_room(random, 3);
-        for (auto& camera : cameras_) {
-            camera.intrinsics.width = 64;
-            camera.intrinsics.height = 48;
-        }
-        options_.files = {folder_.write("all.yml", test::opencv_yaml(cameras_, 1000.0))};
-        options_.recording = folder_.path() / "take";
-        options_.output = folder_.path() / "made";
-    }
-    fs::path take(const std::string& name) const { return options_.recording / name; }
-
-    // The first picture of each camera and the number of backgrounds, as a site reads them.
-    void expect_recording(std::size_t num_cameras, std::size_t num_frames, int num_backgrounds) {
-        const auto report = import(options_);
-        ASSERT_TRUE(report) << report.error().message;
-        auto source = capture::RecordingSource::open({.folder = options_.output});
-        ASSERT_TRUE(source) << source.error().message;
-        EXPECT_EQ((*source)->rig().cameras.size(), num_cameras);
-        EXPECT_EQ((*source)->num_frames(), num_frames);
-        int shown = 0;
-        for (std::size_t i = 0; i < num_cameras; ++i) {
-            bool is_shown = false;
-            (*source)->show_background({i},
-                                       [&](std::size_t, const image::YuvView&) {
-                                           is_shown = true;
-                                           return true;
-                                       },
-                                       {});
-            shown += is_shown ? 1 : 0;
-        }
-        EXPECT_EQ(shown, num_backgrounds);
-    }
-
-    test::Folder folder_;
-    test::Cameras cameras_;
-    ImportOptions options_;
-};
+using test::ImportedRecording;
+using test::write_picture;
+using test::write_video;
 
 TEST_F(ImportedRecording, OfFoldersWithNumberedPicturesAndOneBackgroundEach) {
     for (int camera = 1; camera <= 3; ++camera) {
@@ -109,12 +57,19 @@ TEST_F(ImportedRecording, OfOneFolderWithPrefixesCopied) {
 
 TEST_F(ImportedRecording, SaysWhatIsMissingAndLeavesItOut) {
     for (const int camera : {1, 3}) write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 3);
+    options_.programs = "some/bin/";
     const auto report = import(options_);
     ASSERT_TRUE(report) << report.error().message;
-    EXPECT_THAT(report->unsure, Contains(AllOf(HasSubstr("'cam2'"), HasSubstr("left out"))));
-    EXPECT_THAT(report->unsure,
-                Contains(AllOf(HasSubstr("background"), HasSubstr("--background"))));
-    EXPECT_THAT(report->next, HasSubstr("--capture.source recording"));
+    EXPECT_THAT(report->problems,
+                Contains(AllOf(HasSubstr("1 of 3 cameras left out"), HasSubstr("'cam2'"))));
+    EXPECT_THAT(report->problems,
+                Contains(AllOf(HasSubstr("3 pictures per camera is too few"),
+                               HasSubstr("--background"),
+                               HasSubstr("--masks"))));
+    EXPECT_THAT(report->next,
+                ElementsAre("some/bin/world_server",
+                            AllOf(HasSubstr("some/bin/site_node"), HasSubstr("--recording")),
+                            HasSubstr("some/bin/viewer")));
     const auto again = import(options_);
     ASSERT_FALSE(again);
     EXPECT_THAT(again.error().message, HasSubstr("--force"));
@@ -146,6 +101,106 @@ TEST_F(ImportedRecording, RefusesFoldersWithoutPicturesOfTheCameras) {
     EXPECT_THAT(import(options_).error().message, AllOf(HasSubstr("a/cam1"), HasSubstr("b/cam1")));
     options_.output = options_.recording;
     EXPECT_THAT(import(options_).error().message, HasSubstr("another -o"));
+}
+
+TEST_F(ImportedRecording, LearnsTheRoomFromManyPicturesWithPeople) {
+    for (int camera = 1; camera <= 3; ++camera)
+        write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 8);
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->problems, IsEmpty());
+    EXPECT_THAT(report->checks, Contains(HasSubstr("the site learns it from the pictures")));
+}
+
+TEST_F(ImportedRecording, NamesTruncatedPicturesAndTheCure) {
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 9; ++i)
+            write_picture(take(fmt::format("cam{}/{:04}.png", camera, i)), 64, 48, 40);
+    }
+    const auto cut = [&](const std::string& name) {
+        fs::resize_file(take(name), fs::file_size(take(name)) - 20);
+    };
+    cut("cam2/0004.png");
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->problems,
+                Contains(AllOf(HasSubstr("camera 'cam2': 1 picture is truncated"),
+                               HasSubstr("0004.png; copy"))));
+    cut("cam3/0000.png");
+    options_.output = folder_.path() / "second";
+    const auto refused = import(options_);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message,
+                AllOf(HasSubstr("0000.png: the file is truncated"), HasSubstr("copy it again")));
+}
+
+TEST_F(ImportedRecording, NamesPicturesThatNoCameraHas) {
+    for (int camera = 1; camera <= 4; ++camera)
+        write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 8);
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->checks, Contains(HasSubstr("pictures not used: 'cam4'")));
+}
+
+TEST_F(ImportedRecording, RefusesPicturesWithoutACommonNumber) {
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i)
+            write_picture(
+                take(fmt::format("cam{}/{:04}.png", camera, 100 * camera + i)), 64, 48, 40);
+    }
+    const auto report = import(options_);
+    ASSERT_FALSE(report);
+    EXPECT_THAT(report.error().message,
+                AllOf(HasSubstr("no number in common"), HasSubstr("100 to 102 of 'cam1'")));
+}
+
+TEST_F(ImportedRecording, ReadsAFolderOfCalibrationFiles) {
+    const fs::path folder = folder_.path() / "calibration";
+    fs::create_directories(folder);
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        std::ofstream(folder / fmt::format("cam{}.yml", i + 1))
+            << test::opencv_yaml({cameras_[i]}, 1000.0);
+    }
+    std::ofstream(folder / "notes.md") << "not a calibration";
+    options_.files = {folder};
+    options_.recording.clear();
+    options_.output = folder_.path() / "rig.toml";
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(config::load_rig(options_.output)->cameras.size(), 3U);
+    // of another program
+    std::ofstream(folder / "other.toml") << test::caliscope_toml(cameras_);
+    options_.output = folder_.path() / "other_rig.toml";
+    const auto mixed = import(options_);
+    ASSERT_FALSE(mixed);
+    EXPECT_THAT(
+        mixed.error().message,
+        AllOf(HasSubstr("cam1.yml and "), HasSubstr("other.toml are of different formats")));
+    fs::create_directories(folder_.path() / "empty");
+    options_.files = {folder_.path() / "empty"};
+    const auto none = import(options_);
+    ASSERT_FALSE(none);
+    EXPECT_THAT(none.error().message, HasSubstr("give the calibration files"));
+}
+
+// A layer of 25 pictures per second, each of one tick, as DivX writes it.
+TEST(CodecRate, IsThatOfMpeg4PicturesInAviOnly) {
+    const test::Folder folder;
+    const auto avi = [&](const std::string& codec) {
+        std::string text =
+            "RIFF....AVI LIST....hdrlstrl"
+            "strh....vids" +
+            codec;
+        text += std::string(40, '\0') + "movi00dc....";
+        const unsigned char layer[] = {0, 0, 1, 0x20, 0x08, 0x84, 0x40, 0x06, 0x70, 0x80};
+        text.append(reinterpret_cast<const char*>(layer), sizeof(layer));
+        return folder.write(codec + ".avi", text);
+    };
+    EXPECT_DOUBLE_EQ(codec_rate_hz(avi("DX50")), 25.0);
+    EXPECT_DOUBLE_EQ(codec_rate_hz(avi("MJPG")), 0.0);
+    EXPECT_DOUBLE_EQ(codec_rate_hz(folder.write("cut.avi", "RIFF....AVI strh....vidsDIVXmovi")),
+                     0.0);
+    EXPECT_DOUBLE_EQ(codec_rate_hz(folder.path() / "none.avi"), 0.0);
 }
 
 TEST(Likeness, GoesByNameBeforeNumber) {

@@ -1,5 +1,6 @@
 #include "site_node/capture/picture_file.hpp"
 #include "site_node/capture/recording_source.hpp"
+#include "site_node/capture/truncated_picture.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -133,6 +134,48 @@ TEST_F(MasksOnDisk, WaitsForTheSinkWhenAsFastAsPossible) {
     }));
     ASSERT_EQ(times.size(), 7u);
     for (std::size_t i = 1; i < times.size(); ++i) EXPECT_LT(times[i - 1], times[i]);
+}
+
+TEST_F(MasksOnDisk, OfWrongNamesAreNamedWithTheRightOnes) {
+    for (const char* camera : {"a", "b"})
+        write(fs::path(camera) / "silhouettes/img_0001.png", half(CV_8UC1, 255, 0));
+    const auto source = RecordingSource::open({folder_});
+    ASSERT_FALSE(source);
+    EXPECT_THAT(source.error().message,
+                HasSubstr("a/silhouettes: found img_0001.png; wants 000000.png"));
+}
+
+TEST_F(MasksOnDisk, AMissingCameraIsNamedByItsFolder) {
+    fs::remove_all(folder_ / "b");
+    const auto source = RecordingSource::open({folder_});
+    ASSERT_FALSE(source);
+    EXPECT_THAT(source.error().message,
+                HasSubstr("/b: no such folder, but rig.toml has a camera 'b'"));
+}
+
+// Every length but the whole is truncated. Other files are not judged.
+TEST(TruncatedPicture, IsFoundAtEveryLength) {
+    const fs::path folder = fs::path(testing::TempDir()) / "truncated_picture";
+    fs::create_directories(folder);
+    for (const char* name : {"whole.png", "whole.jpg"}) {
+        const fs::path whole = folder / name;
+        ASSERT_TRUE(cv::imwrite(whole.string(), cv::Mat(48, 64, CV_8UC3, cv::Scalar(1, 80, 200))));
+        EXPECT_FALSE(is_truncated_picture(whole)) << name;
+        const auto num_bytes = fs::file_size(whole);
+        for (std::uintmax_t size = 8; size < num_bytes; ++size) {
+            const fs::path part = folder / "part";
+            fs::copy_file(whole, part, fs::copy_options::overwrite_existing);
+            fs::resize_file(part, size);
+            EXPECT_TRUE(is_truncated_picture(part)) << name << " " << size;
+        }
+        // bytes after the picture do no harm
+        std::ofstream(whole, std::ios::app) << "appended by another program";
+        EXPECT_FALSE(is_truncated_picture(whole)) << name;
+    }
+    std::ofstream(folder / "text.png") << "garbage";
+    EXPECT_FALSE(is_truncated_picture(folder / "text.png"));
+    EXPECT_FALSE(is_truncated_picture(folder / "none.png"));
+    fs::remove_all(folder);
 }
 
 }  // namespace

@@ -308,7 +308,7 @@ TEST_F(RecordingOnDisk, NamesEachPictureThatItLeavesOut) {
     EXPECT_TRUE((*source)->run(std::stop_token(), [](CameraFrame) {}));
     ASSERT_EQ(reasons.size(), 2u);
     EXPECT_THAT(reasons[0], HasSubstr("camera 'b': " + (frames / numbered(1)).string()));
-    EXPECT_THAT(reasons[0], HasSubstr("truncated or damaged"));
+    EXPECT_THAT(reasons[0], HasSubstr("the file is truncated"));
     EXPECT_THAT(reasons[1], HasSubstr("the file is empty"));
 }
 

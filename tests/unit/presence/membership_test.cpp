@@ -157,5 +157,18 @@ TEST(Membership, EndsWhenStoppedWhileAsking) {
     EXPECT_EQ(member.error().kind, ErrorKind::kUnavailable);
 }
 
+TEST(Membership, AsksForTheWorldThatAMisspeltOneMayMean) {
+    const BusOptions meant = own_world("playroom", 125);
+    BusOptions written = meant;
+    written.world.erase(written.world.size() - 2, 1);
+    Said said;
+    const auto server = value(join(meant, "server", said));
+    const auto lost = value(join(written, "lab", said));
+    EXPECT_TRUE(eventually([&] {
+        return lost->place().find("other_worlds=" + meant.world + " did_you_mean=" + meant.world) !=
+               std::string::npos;
+    })) << lost->place();
+}
+
 }  // namespace
 }  // namespace atrium::presence

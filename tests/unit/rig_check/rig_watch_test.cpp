@@ -42,7 +42,7 @@ TEST(RigWatch, IsSilentAboutAGoodSite) {
     for (std::uint64_t i = 0; i < 30; ++i) run.look(person(i));
     EXPECT_THAT(run.lines, IsEmpty());
     EXPECT_THAT(run.watch.finish(), IsEmpty());
-    EXPECT_THAT(run.watch.summary(), HasSubstr("silhouettes looks=30 explained=0.99"));
+    EXPECT_THAT(run.watch.summary(), HasSubstr("silhouettes looks=30 explained=0.99 fit=good"));
 }
 
 TEST(RigWatch, IsSilentAboutAnEmptyRoom) {

@@ -1,5 +1,6 @@
 #include "tools/calibrate/formats/data_tree.hpp"
 
+#include "core/base/looked_up.hpp"
 #include "core/config/toml_nesting.hpp"
 
 #include <Eigen/Geometry>
@@ -70,13 +71,30 @@ bool equal_without_case(const std::string& a, const std::string& b) {
         a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
+// The first line of toml11's message, without its function, and the place: " --> a.toml  | 7 | K =
+// [".
+std::string toml_reason(const std::string& what) {
+    std::string reason = what.substr(0, what.find('\n'));
+    if (const std::size_t function = reason.find("toml::"); function != std::string::npos) {
+        const std::size_t end = reason.find(": ", function);
+        if (end != std::string::npos) reason = reason.substr(end + 2);
+    }
+    const std::size_t bar = what.find(" | ");
+    const std::size_t line_begin = bar == std::string::npos ? bar : what.rfind('\n', bar);
+    std::string line =
+        line_begin == std::string::npos ? "" : what.substr(line_begin, bar - line_begin);
+    std::erase_if(line, [](unsigned char c) { return std::isdigit(c) == 0; });
+    return (line.empty() ? "" : "line " + line + ": ") + reason + "; the file may be cut off";
+}
+
 }  // namespace
 
 Expected<std::string> read_bytes(const std::filesystem::path& file, std::size_t max_bytes) {
     std::error_code failure;
     if (!std::filesystem::is_regular_file(file, failure)) {
-        return make_error(ErrorKind::kNotFound,
-                          fmt::format("{}: no such file; check the path", file.string()));
+        return make_error(
+            ErrorKind::kNotFound,
+            fmt::format("{}: no such file{}; check the path", file.string(), looked_up_from(file)));
     }
     if (std::filesystem::file_size(file, failure) > max_bytes || failure) {
         return damaged(file.string(),
@@ -98,8 +116,7 @@ Expected<Tree> parse_toml(const std::string& text, const std::string& name) {
         std::istringstream stream(text);
         return from_toml(toml::parse(stream, name));
     } catch (const std::exception& failure) {
-        std::string what = failure.what();
-        return damaged(name, "not valid TOML: " + what.substr(0, what.find('\n')));
+        return damaged(name, "not valid TOML: " + toml_reason(failure.what()));
     }
 }
 

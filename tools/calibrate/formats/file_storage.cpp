@@ -100,6 +100,18 @@ Tree from_node(const cv::FileNode& node, std::size_t depth, std::size_t& num_nod
     return list;
 }
 
+// ": line 26: Missing , between the elements" of the message of an OpenCV exception, which ends
+// with "in function '(26): Missing ...'".
+std::string place_of(std::string what) {
+    std::ranges::replace(what, '\n', ' ');
+    const std::size_t begin = what.rfind("'(");
+    const std::size_t end = what.find("): ", begin == std::string::npos ? what.size() : begin);
+    if (end == std::string::npos) return {};
+    std::string text = what.substr(end + 3);
+    while (!text.empty() && (text.back() == ' ' || text.back() == '\'')) text.pop_back();
+    return fmt::format(": line {}: {}", what.substr(begin + 2, end - begin - 2), text);
+}
+
 }  // namespace
 
 Expected<Tree> parse_file_storage(const std::string& text, const std::string& name) {
@@ -125,9 +137,9 @@ Expected<Tree> parse_file_storage(const std::string& text, const std::string& na
             result = damaged(xml ? "not an XML file of OpenCV" : "not valid YAML");
         }
     } catch (const std::exception& failure) {
-        std::string what = failure.what();
-        std::ranges::replace(what, '\n', ' ');
-        result = damaged(fmt::format("not a file of OpenCV's FileStorage: {}", what));
+        result =
+            damaged(fmt::format("not a file of OpenCV's FileStorage{}; the file may be cut off",
+                                place_of(failure.what())));
     }
     cv::utils::logging::setLogLevel(level);
     return result;

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 
 namespace atrium::calibrate {
@@ -24,6 +25,14 @@ bool is_colmap(const fs::path& file) {
     std::error_code failure;
     return fs::is_directory(file, failure) || suffix_of(file) == ".bin" || name == "cameras.txt" ||
            name == "images.txt";
+}
+
+bool holds_colmap_model(const fs::path& folder) {
+    std::error_code failure;
+    return fs::exists(folder / "cameras.txt", failure) ||
+           fs::exists(folder / "images.txt", failure) ||
+           fs::exists(folder / "cameras.bin", failure) ||
+           fs::exists(folder / "images.bin", failure);
 }
 
 // Finds the format from the first file's name and content.
@@ -127,11 +136,56 @@ std::optional<Format> format_of(const std::string& name) {
     return std::nullopt;
 }
 
+Expected<Files> with_folders_opened(const Files& files) {
+    constexpr std::array kSuffixes{".yml", ".yaml", ".json", ".xml", ".toml", ".xcp"};
+    constexpr std::size_t kMaxFiles = 256;
+    Files result;
+    for (const fs::path& file : files) {
+        std::error_code failure;
+        if (!fs::is_directory(file, failure) || holds_colmap_model(file)) {
+            result.push_back(file);
+            continue;
+        }
+        Files inside;
+        for (fs::directory_iterator entry(file, failure), end;
+             !failure && entry != end && inside.size() < kMaxFiles;
+             entry.increment(failure)) {
+            const std::string suffix = suffix_of(entry->path());
+            const bool is_calibration =
+                std::ranges::any_of(kSuffixes,
+                                    [&](const char* known) { return suffix == known; }) ||
+                entry->path().filename().string().ends_with(".qca.txt");
+            if (is_calibration && entry->is_regular_file(failure)) inside.push_back(entry->path());
+        }
+        if (inside.empty()) {
+            return make_error(
+                ErrorKind::kNotFound,
+                fmt::format("{}: a folder without a calibration: neither cameras and images of a "
+                            "model of COLMAP (.txt or .bin, often in sparse/0) nor {}, .qca.txt; "
+                            "give the calibration files",
+                            file.string(),
+                            fmt::join(kSuffixes, ", ")));
+        }
+        std::ranges::sort(inside);
+        result.insert(result.end(), inside.begin(), inside.end());
+    }
+    return result;
+}
+
 Expected<ForeignRig> read_foreign(const Files& files, const std::string& format) {
     std::optional<Format> known = format_of(format);
-    if (!known) {
-        const auto guessed = guess(files.front());
+    for (const fs::path& file : files) {
+        if (format_of(format)) break;
+        const auto guessed = guess(file);
+        if (!guessed && known) continue;  // its reader says what is wrong
         if (!guessed) return tl::unexpected(guessed.error());
+        if (known && *known != *guessed) {
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("{} and {} are of different formats; give the files of "
+                                          "one calibration",
+                                          files.front().string(),
+                                          file.string()));
+        }
         known = *guessed;
     }
     auto rig = read(files, *known);

@@ -26,6 +26,10 @@ std::optional<Format> format_of(const std::string& name);
 /// Several files may each hold some cameras, or some values of each camera.
 Expected<ForeignRig> read_foreign(const Files& files, const std::string& format);
 
+/// Replaces each folder that is no model of COLMAP by the calibration files in it, in the order of
+/// their names. Error kConfiguration for a folder without any.
+Expected<Files> with_folders_opened(const Files& files);
+
 Expected<ForeignRig> read_opencv(const Files& files);
 Expected<ForeignRig> read_qualisys(const Files& files);
 Expected<ForeignRig> read_vicon(const Files& files);

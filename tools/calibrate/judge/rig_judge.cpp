@@ -22,6 +22,8 @@ constexpr double kAboutAsGood = 0.12;
 constexpr double kNearest_m = 0.3;
 constexpr double kFarthest_m = 40.0;
 constexpr double kUsual_m = 3.0;
+constexpr double kUsualNearest_m = 0.8;
+constexpr double kUsualFarthest_m = 12.0;
 // Pictures are level if the mean sine of their tilt is below this.
 constexpr double kLevel = 0.15;
 // An axis of the frame is up if it is so near, as a cosine, and the pictures are about as level.
@@ -144,30 +146,60 @@ double metres_of(const std::string& unit) {
     if (unit == "m") return 1.0;
     if (unit == "cm") return 0.01;
     if (unit == "mm") return 0.001;
+    if (unit == "in") return 0.0254;
+    if (unit == "ft") return 0.3048;
     return 0.0;
 }
 
+namespace {
+
+bool is_usual(double distance_m) {
+    return distance_m >= kUsualNearest_m && distance_m <= kUsualFarthest_m;
+}
+
+// Millimetres come before centimetres, which fewer programs write, and inches and feet are rare.
+double strangeness(double median_distance, const std::string& unit) {
+    return std::abs(std::log(median_distance * metres_of(unit) / kUsual_m)) +
+           (unit == "cm"                   ? 0.5
+            : unit == "in" || unit == "ft" ? 1.0
+                                           : 0.0);
+}
+
+}  // namespace
+
+std::string better_unit(double median_distance, const std::string& unit) {
+    const double distance_m = median_distance * metres_of(unit);
+    if (is_usual(distance_m)) return {};
+    const bool is_hall = distance_m > kNearest_m && distance_m < kFarthest_m;
+    std::string best;
+    for (const std::string other : {"m", "mm", "cm", "in", "ft"}) {
+        if (other == unit || !is_usual(median_distance * metres_of(other))) continue;
+        // a hall in metres would be a room in feet
+        if (is_hall && (other == "in" || other == "ft")) continue;
+        if (best.empty() ||
+            strangeness(median_distance, other) < strangeness(median_distance, best))
+            best = other;
+    }
+    return best;
+}
+
 UnitChoice choose_unit(double median_distance, const std::string& prescribed) {
-    // millimetres come before centimetres, which few programs write
-    const auto strangeness = [&](const std::string& unit) {
-        return std::abs(std::log(median_distance * metres_of(unit) / kUsual_m)) +
-               (unit == "cm" ? 0.5 : 0.0);
-    };
     const auto fits = [&](const std::string& unit) {
         const double distance_m = median_distance * metres_of(unit);
         return distance_m >= kNearest_m && distance_m <= kFarthest_m;
     };
     UnitChoice choice;
     std::array<std::string, 3> units{"m", "mm", "cm"};
-    std::ranges::sort(units, {}, strangeness);
+    std::ranges::sort(
+        units, {}, [&](const std::string& unit) { return strangeness(median_distance, unit); });
     for (const std::string& unit : units) {
         if (fits(unit) && choice.name.empty()) choice.name = unit;
     }
     if (!prescribed.empty() && fits(prescribed)) choice.name = prescribed;
     choice.metres = metres_of(choice.name);
     for (const std::string& unit : units) {
-        if (unit != choice.name && fits(unit) && choice.also_possible.empty() &&
-            prescribed != choice.name)
+        if (unit != choice.name && is_usual(median_distance * metres_of(unit)) &&
+            choice.also_possible.empty() && prescribed != choice.name)
             choice.also_possible = unit;
     }
     return choice;

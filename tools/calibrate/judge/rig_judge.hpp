@@ -40,13 +40,17 @@ ReadingChoice choose_reading(std::span<const geometry::CalibratedCamera> cameras
 struct UnitChoice {
     double metres = 0.0;        // of one unit; 0: no unit makes the cameras fit into a room
     std::string name;           // "mm"
-    std::string also_possible;  // another unit that would fit, or empty
+    std::string also_possible;  // another unit that makes a usual room as well, or empty
 };
-/// Finds the unit in which cameras at `median_distance` from what they look at fit into a room.
-/// `prescribed` ("m", "cm", "mm") wins if it fits; empty: none.
+/// Finds the unit (m, cm or mm) in which cameras at `median_distance` from what they look at fit
+/// into a room. `prescribed` wins if it fits; empty: none.
 UnitChoice choose_unit(double median_distance, const std::string& prescribed);
 
-/// Metres of "m", "cm" or "mm"; 0 for anything else.
+/// If cameras at `median_distance`, in `unit`, stand unusually near or far, returns the unit that
+/// makes the most usual room of it; empty if the distance is usual, or no unit makes it so.
+std::string better_unit(double median_distance, const std::string& unit);
+
+/// Metres of "m", "cm", "mm", "in" or "ft"; 0 for anything else.
 double metres_of(const std::string& unit);
 
 struct UpChoice {

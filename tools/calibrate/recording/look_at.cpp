@@ -1,3 +1,5 @@
+#include "site_node/capture/truncated_picture.hpp"
+#include "tools/calibrate/recording/codec_rate.hpp"
 #include "tools/calibrate/recording/shots.hpp"
 
 #include <fmt/format.h>
@@ -16,17 +18,42 @@ Error not_decoded(const std::filesystem::path& file) {
                     file.string())};
 }
 
+Error picture_not_decoded(const std::filesystem::path& file) {
+    std::error_code failure;
+    if (std::filesystem::file_size(file, failure) == 0 && !failure)
+        return {ErrorKind::kInvalidData, file.string() + ": the file is empty; copy it again"};
+    if (capture::is_truncated_picture(file)) {
+        return {ErrorKind::kInvalidData,
+                file.string() +
+                    ": the file is truncated: it ends before its picture does; copy it again"};
+    }
+    return {ErrorKind::kInvalidData,
+            file.string() +
+                ": cannot be decoded: the file is damaged, or no picture; copy it again, or "
+                "convert it to PNG"};
+}
+
 }  // namespace
+
+std::vector<std::filesystem::path> truncated_pictures(const Shots& shots) {
+    std::vector<std::filesystem::path> result;
+    for (const auto& [number, file] : shots.pictures)
+        if (capture::is_truncated_picture(file)) result.push_back(file);
+    return result;
+}
 
 Expected<Look> look_at(const Shots& shots) try {
     Look look;
     if (!shots.is_video) {
         if (shots.pictures.empty()) return tl::unexpected(not_decoded(shots.path));
         const auto& file = shots.pictures.begin()->second;
+        if (capture::is_truncated_picture(file)) return tl::unexpected(picture_not_decoded(file));
         const cv::Mat picture =
             cv::imread(file.string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-        if (picture.empty()) return tl::unexpected(not_decoded(file));
-        look = {picture.cols, picture.rows, 0.0, shots.pictures.size()};
+        if (picture.empty()) return tl::unexpected(picture_not_decoded(file));
+        look.width = picture.cols;
+        look.height = picture.rows;
+        look.num_frames = shots.num_pictures();
         return look;
     }
     cv::VideoCapture video(shots.path.string());
@@ -36,13 +63,17 @@ Expected<Look> look_at(const Shots& shots) try {
     look.width = picture.cols;
     look.height = picture.rows;
     const double rate_hz = video.get(cv::CAP_PROP_FPS);
-    if (rate_hz >= 0.1 && rate_hz <= 1000.0) look.rate_hz = rate_hz;
+    if (rate_hz >= 0.1 && rate_hz <= 1000.0) {
+        look.rate_hz = rate_hz;
+        look.codec_rate_hz = codec_rate_hz(shots.path);
+    }
     const double count = video.get(cv::CAP_PROP_FRAME_COUNT);
     if (std::isfinite(count) && count > 0.0 && count < 1e9)
         look.num_frames = static_cast<std::size_t>(count);
     return look;
 } catch (const cv::Exception&) {
-    return tl::unexpected(not_decoded(shots.path));
+    return tl::unexpected(shots.is_video ? not_decoded(shots.path)
+                                         : picture_not_decoded(shots.pictures.begin()->second));
 }
 
 }  // namespace atrium::calibrate

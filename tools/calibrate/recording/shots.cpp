@@ -1,11 +1,14 @@
 #include "tools/calibrate/recording/shots.hpp"
 
+#include "core/base/looked_up.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <set>
+#include <span>
 
 namespace atrium::calibrate {
 namespace {
@@ -29,6 +32,15 @@ const std::set<std::string> kBackgrounds{"background",
                                          "plate",
                                          "cleanplate",
                                          "static"};
+const std::set<std::string> kMasks{"mask",
+                                   "masks",
+                                   "matte",
+                                   "mattes",
+                                   "seg",
+                                   "segmentation",
+                                   "segmentations",
+                                   "silhouette",
+                                   "silhouettes"};
 
 std::string lower(std::string text) {
     std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -66,11 +78,11 @@ std::vector<std::string> parts_of(const std::string& label) {
     return parts;
 }
 
-bool names_background(const std::string& label) {
+bool has_word_of(const std::set<std::string>& words, const std::string& label) {
     for (const std::string& part : parts_of(label)) {
-        if (kBackgrounds.contains(lower(part))) return true;
+        if (words.contains(lower(part))) return true;
         for (const std::string& token : tokens(part))
-            if (kBackgrounds.contains(token)) return true;
+            if (words.contains(token)) return true;
     }
     return false;
 }
@@ -80,15 +92,26 @@ struct Numbered {
     std::size_t number = 0;
 };
 
+// "0001_mask" -> "0001", and "0001.jpg", as COLMAP names the mask of that picture.
+std::string without_word_for_mask(const std::string& whole) {
+    const std::string stem = has_suffix(whole, kPictures) ? fs::path(whole).stem().string() : whole;
+    std::size_t begin = stem.size();
+    while (begin > 0 && std::isalpha(static_cast<unsigned char>(stem[begin - 1])) != 0) --begin;
+    if (!kMasks.contains(lower(stem.substr(begin)))) return stem;
+    while (begin > 0 && std::isalnum(static_cast<unsigned char>(stem[begin - 1])) == 0) --begin;
+    return begin == 0 ? stem : stem.substr(0, begin);
+}
+
 // "cam1_000012" -> "cam1", 12. Without a number: the stem, 0.
-Numbered split_number(const std::string& stem) {
+Numbered split_number(const std::string& whole) {
+    const std::string stem = without_word_for_mask(whole);
     std::size_t begin = stem.size();
     while (begin > 0 && std::isdigit(static_cast<unsigned char>(stem[begin - 1])) != 0) --begin;
     const std::string digits = stem.substr(begin);
     std::string prefix = stem.substr(0, begin);
     while (!prefix.empty() && std::isalnum(static_cast<unsigned char>(prefix.back())) == 0)
         prefix.pop_back();
-    if (digits.empty() || digits.size() > 12) return {stem, 0};
+    if (digits.empty() || digits.size() > 12) return {whole, 0};
     return {prefix, static_cast<std::size_t>(std::stoull(digits))};
 }
 
@@ -108,7 +131,8 @@ private:
         return label == "." ? "" : label;
     }
     void add(Shots shots) {
-        shots.is_background = names_background(shots.label);
+        shots.is_background = has_word_of(kBackgrounds, shots.label);
+        shots.is_mask = shots.is_mask || has_word_of(kMasks, shots.label);
         found_.push_back(std::move(shots));
     }
 
@@ -140,15 +164,22 @@ private:
 
     // A folder is the sequence of one camera, or of one camera per prefix; or has one picture each.
     void add_pictures(const fs::path& folder, const std::vector<fs::path>& pictures) {
-        std::map<std::string, Shots> by_prefix;
+        // masks may lie beside their pictures: 0001.png, 0001_mask.png
+        std::map<std::pair<std::string, bool>, Shots> by_prefix;
+        std::set<std::string> prefixes;
         for (const fs::path& picture : pictures) {
-            const Numbered numbered = split_number(picture.stem().string());
-            by_prefix[numbered.prefix].pictures[numbered.number] = picture;
+            const std::string stem = picture.stem().string();
+            const Numbered numbered = split_number(stem);
+            const bool is_mask = has_word_of(kMasks, stem) || has_suffix(stem, kPictures);
+            by_prefix[{numbered.prefix, is_mask}].pictures[numbered.number] = picture;
+            prefixes.insert(numbered.prefix);
         }
-        for (auto& [prefix, shots] : by_prefix) {
+        for (auto& [key, shots] : by_prefix) {
+            const auto& [prefix, is_mask] = key;
             shots.path = folder;
-            shots.label = label_of(by_prefix.size() > 1 ? folder / prefix : folder);
-            if (by_prefix.size() == 1 && names_background(prefix))
+            shots.is_mask = is_mask;
+            shots.label = label_of(prefixes.size() > 1 ? folder / prefix : folder);
+            if (prefixes.size() == 1 && has_word_of(kBackgrounds, prefix))
                 shots.label = label_of(folder / prefix);
             add(shots);
         }
@@ -205,7 +236,9 @@ std::string joined(const std::vector<std::string>& words) {
 Expected<std::vector<Shots>> find_shots(const fs::path& folder) {
     std::error_code failure;
     if (!fs::is_directory(folder, failure)) {
-        return make_error(ErrorKind::kNotFound, fmt::format("{}: no such folder", folder.string()));
+        return make_error(
+            ErrorKind::kNotFound,
+            fmt::format("{}: no such folder{}", folder.string(), looked_up_from(folder)));
     }
     return Search(folder).run();
 }

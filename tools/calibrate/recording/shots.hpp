@@ -18,8 +18,12 @@ struct Shots {
     std::map<std::size_t, std::filesystem::path> pictures;  // by number; empty for a video
     /// Path below the searched folder without the numbers: what names the camera.
     std::string label;
-    bool is_alone = false;  // one picture out of a folder that may also be a sequence
-    bool is_background = false;
+    bool is_alone = false;       // one picture out of a folder that may also be a sequence
+    bool is_background = false;  // by a word in its label: "empty", "bg", ...
+    bool is_mask = false;        // by a word in its label: "masks", "silhouettes", ...
+
+    /// Number of pictures; 0 for a video.
+    std::size_t num_pictures() const { return pictures.size(); }
 };
 
 /// Finds everything below `folder` that may be the pictures of a camera, four folders deep.
@@ -41,13 +45,18 @@ struct Matches {
 Expected<Matches> match_shots(const std::vector<std::string>& cameras,
                               const std::vector<Shots>& shots);
 
+/// The first picture, and the numbers of pictures.
 struct Look {
     int width = 0;
     int height = 0;
-    double rate_hz = 0.0;        // of a video; 0: unknown
+    double rate_hz = 0.0;        // of a video, as the file's headers say; 0: unknown
+    double codec_rate_hz = 0.0;  // the same, as the pictures say (codec_rate.hpp); 0: unknown
     std::size_t num_frames = 0;  // a video's may be wrong
 };
-/// Opens the first picture. Error kInvalidData if it cannot be decoded.
+/// Opens the first picture. Error kInvalidData if it cannot be decoded, with cause and cure.
 Expected<Look> look_at(const Shots& shots);
+
+/// Files of a sequence that end before their picture does, as after an interrupted copy.
+std::vector<std::filesystem::path> truncated_pictures(const Shots& shots);
 
 }  // namespace atrium::calibrate

@@ -1,0 +1,139 @@
+// Masks of other programs, in their names and numbers, become those of a recording.
+#include "tests/unit/calibrate/recording_fixture.hpp"
+
+#include <gmock/gmock.h>
+
+namespace atrium::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class ImportedMasks : public test::ImportedRecording {
+protected:
+    void write_frames(int first, int num) const {
+        for (int camera = 1; camera <= 3; ++camera) {
+            for (int i = first; i < first + num; ++i)
+                test::write_picture(
+                    take(fmt::format("cam{}/img_{:04}.png", camera, i)), 64, 48, 40);
+        }
+    }
+    // A mask that is white left of a column: the number of its picture plus 10.
+    static void write_mask(const fs::path& file, int number) {
+        fs::create_directories(file.parent_path());
+        cv::Mat mask(48, 64, CV_8UC1, cv::Scalar(0));
+        mask.colRange(0, 10 + number).setTo(255);
+        ASSERT_TRUE(cv::imwrite(file.string(), mask));
+    }
+    // The site's mask of each frame must be that of its picture.
+    void expect_masks(int num_frames) {
+        const auto report = import(options_);
+        ASSERT_TRUE(report) << report.error().message;
+        EXPECT_THAT(report->problems, IsEmpty());
+        EXPECT_THAT(report->told, Contains(HasSubstr("masks: found for every camera")));
+        const auto source = capture::RecordingSource::open({.folder = options_.output});
+        ASSERT_TRUE(source) << source.error().message;
+        EXPECT_TRUE((*source)->has_silhouettes());
+        for (int i = 0; i < num_frames; ++i) {
+            const auto frame = (*source)->read_frame(static_cast<std::size_t>(i));
+            ASSERT_TRUE(frame) << frame.error().message;
+            for (const auto& camera : frame->frames) {
+                const auto& row = camera.silhouette->data;
+                EXPECT_EQ(std::count(row.begin(), row.begin() + 64, std::uint8_t{255}), 10 + i);
+            }
+        }
+    }
+};
+
+TEST_F(ImportedMasks, OfAFolderOfTheirOwnWithTheNumbersOfThePictures) {
+    write_frames(100, 3);
+    options_.masks = folder_.path() / "segmented";
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i)
+            write_mask(options_.masks / fmt::format("cam{}/img_{:04}_mask.png", camera, 100 + i),
+                       i);
+    }
+    expect_masks(3);
+}
+
+TEST_F(ImportedMasks, WithNumbersOfTheirOwn) {
+    write_frames(100, 3);
+    options_.masks = folder_.path() / "segmented";
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i)
+            write_mask(options_.masks / fmt::format("cam{}_{:03}.tif", camera, 1 + i), i);
+    }
+    expect_masks(3);
+    EXPECT_TRUE(fs::is_symlink(options_.output / "cam1/silhouettes/000000.png"));
+}
+
+TEST_F(ImportedMasks, BesideThePicturesByName) {
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i) {
+            test::write_picture(take(fmt::format("cam{}/images/{:04}.jpg", camera, i)), 64, 48, 40);
+            write_mask(take(fmt::format("cam{}/masks/{:04}.jpg.png", camera, i)), i);
+        }
+    }
+    expect_masks(3);
+}
+
+TEST_F(ImportedMasks, InTheFolderOfThePictures) {
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i) {
+            test::write_picture(take(fmt::format("cam{}/{:04}.png", camera, i)), 64, 48, 40);
+            write_mask(take(fmt::format("cam{}/{:04}_mask.png", camera, i)), i);
+        }
+    }
+    expect_masks(3);
+}
+
+TEST_F(ImportedMasks, OfVideosCountFromTheFirst) {
+    options_.masks = folder_.path() / "masks";
+    for (int camera = 1; camera <= 3; ++camera) {
+        test::write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 3);
+        for (int i = 0; i < 3; ++i)
+            write_mask(options_.masks / fmt::format("cam{}/{:06}.png", camera, 1 + i), i);
+    }
+    expect_masks(3);
+}
+
+TEST_F(ImportedMasks, AreThoseOfAllCamerasOrAnError) {
+    write_frames(0, 3);
+    options_.masks = folder_.path() / "masks";
+    for (int camera = 1; camera <= 2; ++camera) {
+        for (int i = 0; i < 3; ++i)
+            write_mask(options_.masks / fmt::format("cam{}/{:06}.png", camera, i), i);
+    }
+    EXPECT_THAT(import(options_).error().message,
+                AllOf(HasSubstr("none of 'cam3'"), HasSubstr("of all cameras or of none")));
+    write_mask(options_.masks / "cam3/000000.png", 0);
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->problems, Contains(HasSubstr("2 of 3 of camera 'cam3'")));
+    // only the last instant is complete
+    fs::rename(options_.masks / "cam3/000000.png", options_.masks / "cam3/000002.png");
+    options_.output = folder_.path() / "last";
+    EXPECT_TRUE(import(options_));
+    fs::remove(options_.masks / "cam1/000002.png");
+    options_.output = folder_.path() / "none";
+    EXPECT_THAT(import(options_).error().message, HasSubstr("at no instant"));
+}
+
+TEST_F(ImportedMasks, MustBePicturesOfTheRightSize) {
+    write_frames(0, 3);
+    options_.masks = folder_.path() / "masks";
+    for (int camera = 1; camera <= 3; ++camera)
+        test::write_video(options_.masks / fmt::format("cam{}.avi", camera), 64, 48, 3);
+    EXPECT_THAT(import(options_).error().message,
+                AllOf(HasSubstr("is a video"), HasSubstr("ffmpeg -i")));
+    fs::remove_all(options_.masks);
+    for (int camera = 1; camera <= 3; ++camera)
+        test::write_picture(options_.masks / fmt::format("cam{}/0000.png", camera), 32, 24, 255);
+    EXPECT_THAT(import(options_).error().message, AllOf(HasSubstr("32x24"), HasSubstr("64x48")));
+}
+
+}  // namespace
+}  // namespace atrium::calibrate

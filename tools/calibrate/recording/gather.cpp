@@ -1,0 +1,399 @@
+#include "tools/calibrate/recording/gather.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace atrium::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Fewest pictures with people in them from which a site learns the empty room: as
+// site_node/occupied_room/learn_occupied_room.hpp.
+constexpr std::size_t kFewestToLearnFrom = 8;
+
+std::string listed(const std::vector<std::string>& names) {
+    std::string text;
+    for (std::size_t i = 0; i < names.size() && i < 12; ++i)
+        text += (i == 0 ? "'" : ", '") + names[i] + "'";
+    return names.size() > 12 ? text + ", ..." : text;
+}
+
+std::string counted(std::size_t number, const char* one) {
+    return fmt::format("{} {}{}", number, one, number == 1 ? "" : "s");
+}
+
+bool is_below(const fs::path& path, const fs::path& folder) {
+    std::error_code failure;
+    if (folder.empty()) return false;
+    const std::string relative = fs::weakly_canonical(path, failure)
+                                     .lexically_relative(fs::weakly_canonical(folder))
+                                     .string();
+    return !relative.empty() && !relative.starts_with("..");
+}
+
+// Finds and matches the pictures of one rig step by step; each step leaves its sentences.
+class Gatherer {
+public:
+    Gatherer(const std::vector<std::string>& cameras, const PictureFolders& folders)
+        : cameras_(cameras), folders_(folders) {}
+
+    Expected<Material> run() {
+        const auto found = find_shots(folders_.frames);
+        if (!found) return tl::unexpected(found.error());
+        sort_out(*found);
+        if (auto done = gather_frames(); !done) return tl::unexpected(done.error());
+        if (auto done = look_at_all(); !done) return tl::unexpected(done.error());
+        if (auto done = compare_numbers(); !done) return tl::unexpected(done.error());
+        if (auto done = gather_masks(); !done) return tl::unexpected(done.error());
+        if (auto done = gather_backgrounds(); !done) return tl::unexpected(done.error());
+        return std::move(material_);
+    }
+
+private:
+    void sort_out(const std::vector<Shots>& found);
+    Expected<void> gather_frames();
+    Expected<void> look_at_all();
+    Expected<void> compare_numbers();
+    void report_truncated(const std::string& camera, const Shots& shots);
+    Expected<void> gather_masks();
+    Expected<void> align_masks();
+    Expected<void> gather_backgrounds();
+    void report_backgrounds(const std::vector<std::string>& without);
+
+    void tell(std::string text) { material_.told.push_back(std::move(text)); }
+    void check(std::string text) { material_.checks.push_back(std::move(text)); }
+    void problem(std::string text) { material_.problems.push_back(std::move(text)); }
+
+    const std::vector<std::string>& cameras_;
+    const PictureFolders& folders_;
+    std::vector<std::string> with_frames_;
+    std::vector<Shots> frames_;
+    std::vector<Shots> rooms_;
+    std::vector<Shots> masks_;
+    std::size_t fewest_ = std::numeric_limits<std::size_t>::max();  // pictures of a camera
+    Material material_;
+};
+
+// Pictures in folders that the user names for another purpose are no frames.
+void Gatherer::sort_out(const std::vector<Shots>& found) {
+    std::error_code failure;
+    const auto is_elsewhere = [&](const Shots& shots, const fs::path& folder) {
+        return is_below(shots.path, folder) && !fs::equivalent(folder, folders_.frames, failure);
+    };
+    for (const Shots& shots : found) {
+        if (is_elsewhere(shots, folders_.masks) || is_elsewhere(shots, folders_.background))
+            continue;
+        (shots.is_mask ? masks_ : shots.is_background ? rooms_ : frames_).push_back(shots);
+    }
+}
+
+Expected<void> Gatherer::gather_frames() {
+    auto matches = match_shots(cameras_, frames_);
+    if (!matches) return tl::unexpected(matches.error());
+    material_.frames = std::move(matches->by_camera);
+    material_.missing = std::move(matches->missing);
+    std::vector<std::string> labels;
+    for (const auto& [camera, shots] : material_.frames) with_frames_.push_back(camera);
+    for (const Shots& shots : frames_) {
+        const bool is_taken = std::ranges::any_of(material_.frames, [&](const auto& entry) {
+            const Shots& chosen = entry.second;
+            return chosen.label == shots.label || (chosen.is_alone && chosen.path == shots.path);
+        });
+        if (!shots.is_alone && !is_taken) labels.push_back(shots.label);
+    }
+    if (material_.frames.size() < 2) {
+        std::string aside;
+        if (!rooms_.empty()) aside += "; pictures of the empty room, by name: " + rooms_[0].label;
+        if (!masks_.empty()) aside += "; masks, by name: " + masks_[0].label;
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}: no pictures of {}; found {}{}; give videos or folders the names of "
+                        "the cameras",
+                        folders_.frames.string(),
+                        listed(material_.missing),
+                        labels.empty() ? "neither videos nor pictures" : listed(labels),
+                        aside));
+    }
+    if (!material_.missing.empty()) {
+        problem(fmt::format(
+            "{} of {} cameras left out, because {} has no pictures of {}{}; a hull from fewer "
+            "cameras is thicker: copy the pictures there, or give their folder the camera's name",
+            material_.missing.size(),
+            cameras_.size(),
+            folders_.frames.string(),
+            listed(material_.missing),
+            labels.empty() ? "" : " (not used: " + listed(labels) + ")"));
+    }
+    if (material_.missing.empty() && !labels.empty()) {
+        check(
+            fmt::format("pictures not used: {}; the calibration has no camera of these names, only "
+                        "{}",
+                        listed(labels),
+                        listed(cameras_)));
+    }
+    return {};
+}
+
+// A truncated picture costs its instant: the hull of the site lacks this camera then.
+void Gatherer::report_truncated(const std::string& camera, const Shots& shots) {
+    const std::vector<fs::path> bad = truncated_pictures(shots);
+    if (bad.empty()) return;
+    problem(
+        fmt::format("camera '{}': {} truncated: {}{}; copy them again; the site leaves these "
+                    "instants out",
+                    camera,
+                    bad.size() == 1 ? "1 picture is" : fmt::format("{} are", bad.size()),
+                    bad.front().string(),
+                    bad.size() == 1 ? "" : ", ..."));
+}
+
+Expected<void> Gatherer::look_at_all() {
+    std::size_t most = 0;
+    std::size_t first = std::numeric_limits<std::size_t>::max();
+    for (const auto& [camera, shots] : material_.frames) {
+        auto look = look_at(shots);
+        if (!look) return tl::unexpected(look.error());
+        tell(fmt::format("camera '{}': {}, {} of {}x{} px",
+                         camera,
+                         shots.label,
+                         look->num_frames == 0 ? "video" : counted(look->num_frames, "picture"),
+                         look->width,
+                         look->height));
+        report_truncated(camera, shots);
+        if (!shots.is_video) first = std::min(first, shots.pictures.begin()->first);
+        fewest_ = std::min(fewest_, look->num_frames);
+        most = std::max(most, look->num_frames);
+        if (look->rate_hz > 0.0) {
+            if (material_.rate_hz > 0.0 &&
+                std::abs(look->rate_hz / material_.rate_hz - 1.0) > 0.01) {
+                problem(fmt::format(
+                    "camera '{}': {:.4g} pictures per second, others {:.4g}; a hull needs pictures "
+                    "of the same instants: convert the videos to one rate",
+                    camera,
+                    look->rate_hz,
+                    material_.rate_hz));
+            } else {
+                material_.rate_hz = look->rate_hz;
+            }
+        }
+        material_.looks[camera] = *look;
+    }
+    if (first != std::numeric_limits<std::size_t>::max()) material_.first_frame = first;
+    if (fewest_ != most && first == std::numeric_limits<std::size_t>::max()) {
+        check(
+            fmt::format("instants: the videos have {} to {} pictures; picture N of every camera is "
+                        "taken as one instant, so all must begin at the same one",
+                        fewest_,
+                        most));
+    }
+    const Look& look = material_.looks.begin()->second;
+    if (look.codec_rate_hz > 0.0 && std::abs(look.codec_rate_hz / look.rate_hz - 1.0) > 0.01) {
+        check(
+            fmt::format("rate: the files say {0:.4g} Hz, the pictures in them {1:.4g} Hz; "
+                        "{0:.4g} Hz is taken; if people move at the wrong speed, say --rate "
+                        "{1:.4g}",
+                        look.rate_hz,
+                        look.codec_rate_hz));
+    }
+    return {};
+}
+
+// Pictures of one number are one instant; a metaframe needs all cameras.
+Expected<void> Gatherer::compare_numbers() {
+    std::map<std::size_t, std::size_t> num_cameras;  // by number
+    std::size_t num_sequences = 0;
+    std::string numbers;
+    for (const auto& [camera, shots] : material_.frames) {
+        if (shots.is_video) continue;
+        ++num_sequences;
+        for (const auto& [number, file] : shots.pictures) ++num_cameras[number];
+        numbers += fmt::format("{}{} to {} of '{}'",
+                               numbers.empty() ? "" : ", ",
+                               shots.pictures.begin()->first,
+                               shots.pictures.rbegin()->first,
+                               camera);
+    }
+    if (num_sequences == 0) return {};
+    std::size_t num_complete = 0;
+    for (const auto& [number, num] : num_cameras) {
+        if (num < num_sequences) continue;
+        if (++num_complete == 1) material_.first_complete = number - material_.first_frame;
+    }
+    if (num_complete == 0) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("the pictures have no number in common, so no two are of one "
+                                      "instant: {}; renumber them, the same instant with the same "
+                                      "number",
+                                      numbers));
+    }
+    if (num_complete < num_cameras.size()) {
+        check(
+            fmt::format("instants: {} of {} are complete, numbers {}; the site leaves the others "
+                        "out. Pictures of one number are taken as one instant",
+                        num_complete,
+                        num_cameras.size(),
+                        numbers));
+    }
+    return {};
+}
+
+Expected<void> Gatherer::gather_masks() {
+    const bool is_named = !folders_.masks.empty();
+    if (is_named) {
+        auto named = find_shots(folders_.masks);
+        if (!named) return tl::unexpected(named.error());
+        masks_ = std::move(*named);
+        if (std::ranges::any_of(masks_, &Shots::is_mask))
+            std::erase_if(masks_, [](const Shots& shots) { return !shots.is_mask; });
+    }
+    if (masks_.empty() && !is_named) return {};
+    auto matches = match_shots(with_frames_, masks_);
+    if (!matches) return make_error(matches.error().kind, "masks: " + matches.error().message);
+    const std::string where = (is_named ? folders_.masks : folders_.frames).string();
+    const auto video = std::ranges::find_if(
+        matches->by_camera, [](const auto& entry) { return entry.second.is_video; });
+    if (video != matches->by_camera.end()) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("masks of camera '{0}': {1} is a video, but masks must be "
+                                      "pictures: ffmpeg -i {1} masks/{0}/%06d.png",
+                                      video->first,
+                                      video->second.path.string()));
+    }
+    if (!matches->missing.empty()) {
+        const std::string text = fmt::format(
+            "masks: {} has none of {}; a site takes masks of all cameras or of none: give the "
+            "folders of the masks the names of the cameras",
+            where,
+            listed(matches->missing));
+        if (is_named) return make_error(ErrorKind::kConfiguration, text);
+        problem(text);
+        return {};
+    }
+    material_.masks = std::move(matches->by_camera);
+    for (const auto& [camera, shots] : material_.masks)
+        report_truncated(camera + "', masks", shots);
+    return align_masks();
+}
+
+// Masks usually have the numbers of their pictures; else the first mask is that of the first one.
+Expected<void> Gatherer::align_masks() {
+    std::size_t lowest = std::numeric_limits<std::size_t>::max();
+    for (const auto& [camera, shots] : material_.masks)
+        lowest = std::min(lowest, shots.pictures.begin()->first);
+    const auto is_frame = [&](const std::string& camera, std::size_t index) {
+        const Shots& frames = material_.frames.at(camera);
+        return frames.is_video ? index < material_.looks.at(camera).num_frames
+                               : frames.pictures.contains(index + material_.first_frame);
+    };
+    // how many pictures have a mask if `first` is the number of the first mask
+    const auto num_paired = [&](const std::string& camera, std::size_t first) {
+        return static_cast<std::size_t>(
+            std::ranges::count_if(material_.masks.at(camera).pictures, [&](const auto& mask) {
+                return mask.first >= first && is_frame(camera, mask.first - first);
+            }));
+    };
+    std::size_t same = 0;
+    std::size_t moved = 0;
+    for (const auto& [camera, shots] : material_.masks) {
+        same += num_paired(camera, material_.first_frame);
+        moved += num_paired(camera, lowest);
+    }
+    material_.first_mask = moved > same ? lowest : material_.first_frame;
+    if (moved > same) {
+        check(
+            fmt::format("masks: they are numbered from {}, the pictures from {}; both are taken "
+                        "as the same instant",
+                        lowest,
+                        material_.first_frame));
+    }
+    const auto& some = material_.masks.begin()->second.pictures;
+    const auto complete = std::ranges::find_if(some, [&](const auto& mask) {
+        return mask.first >= material_.first_mask &&
+               std::ranges::all_of(material_.masks, [&](const auto& entry) {
+                   return entry.second.pictures.contains(mask.first) &&
+                          is_frame(entry.first, mask.first - material_.first_mask);
+               });
+    });
+    if (complete == some.end()) {
+        return make_error(ErrorKind::kConfiguration,
+                          "masks: at no instant do all cameras have a picture and a mask of the "
+                          "same number; give the masks the numbers of their pictures");
+    }
+    material_.first_complete = complete->first - material_.first_mask;
+    std::string without;
+    std::size_t num_without = 0;
+    for (const auto& [camera, shots] : material_.masks) {
+        const std::size_t num_frames = material_.looks.at(camera).num_frames;
+        const std::size_t num = num_paired(camera, material_.first_mask);
+        if (num >= num_frames) continue;
+        num_without += num_frames - num;
+        without += fmt::format("{}{} of {} of camera '{}'",
+                               without.empty() ? "" : ", ",
+                               num_frames - num,
+                               num_frames,
+                               camera);
+    }
+    tell("masks: found for every camera; the site uses them and needs no empty room");
+    if (num_without > 0) {
+        problem(
+            fmt::format("masks: pictures without a mask: {}; the site leaves these instants "
+                        "out: make all masks, or remove these pictures",
+                        without));
+    }
+    return {};
+}
+
+Expected<void> Gatherer::gather_backgrounds() {
+    if (!folders_.background.empty()) {
+        auto named = find_shots(folders_.background);
+        if (!named) return tl::unexpected(named.error());
+        rooms_ = std::move(*named);
+        if (std::ranges::any_of(rooms_, &Shots::is_background))
+            std::erase_if(rooms_, [](const Shots& shots) { return !shots.is_background; });
+    }
+    auto matches = match_shots(with_frames_, rooms_);
+    if (!matches) return make_error(matches.error().kind, "background: " + matches.error().message);
+    material_.backgrounds = std::move(matches->by_camera);
+    if (!material_.masks.empty()) return {};
+    if (matches->missing.empty()) {
+        tell("background: the empty room was found for every camera");
+    } else {
+        report_backgrounds(matches->missing);
+    }
+    return {};
+}
+
+void Gatherer::report_backgrounds(const std::vector<std::string>& without) {
+    const std::string cure =
+        "film the empty room with the same cameras and give its folder with --background, or give "
+        "masks of the people with --masks";
+    // a video's number of pictures may be unknown
+    if (fewest_ > 0 && fewest_ < kFewestToLearnFrom) {
+        problem(
+            fmt::format("background: no empty room of {}, and {} per camera is too few to "
+                        "learn it from ({}): site_node will end with an error; {}",
+                        listed(without),
+                        counted(fewest_, "picture"),
+                        kFewestToLearnFrom,
+                        cure));
+        return;
+    }
+    check(
+        fmt::format("background: no empty room of {}: the site learns it from the pictures with "
+                    "people, which works where people move; for better outlines {}",
+                    listed(without),
+                    cure));
+}
+
+}  // namespace
+
+Expected<Material> gather(const std::vector<std::string>& cameras, const PictureFolders& folders) {
+    return Gatherer(cameras, folders).run();
+}
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "tools/calibrate/recording/shots.hpp"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace atrium::calibrate {
+
+/// Where the pictures of a rig are searched.
+struct PictureFolders {
+    std::filesystem::path frames;
+    std::filesystem::path background;  // empty: below `frames`, by name
+    std::filesystem::path masks;       // empty: below `frames`, by name
+};
+
+/// The pictures of a rig, found in folders of another program.
+struct Material {
+    std::map<std::string, Shots> frames;       // by camera
+    std::map<std::string, Shots> backgrounds;  // by camera; may lack some
+    std::map<std::string, Shots> masks;        // by camera; of all cameras with frames, or none
+    std::size_t first_frame = 0;               // number of the first instant, in frames
+    std::size_t first_mask = 0;                // the same instant, in masks
+    std::size_t first_complete = 0;            // instant of the recording that all cameras show
+    std::map<std::string, Look> looks;         // of the frames
+    std::vector<std::string> missing;          // cameras without frames
+    std::vector<std::string> told;
+    std::vector<std::string> checks;    // assumptions, with the option that changes them
+    std::vector<std::string> problems;  // that make a site fail, or lose people; with the cure
+    double rate_hz = 0.0;               // of the videos; 0: unknown
+};
+
+/// Finds frames, backgrounds and masks of these cameras. Errors of `find_shots` and `match_shots`,
+/// and kConfiguration if fewer than two cameras have frames, if their pictures have no number in
+/// common, or if only some have masks in a folder that the user named.
+Expected<Material> gather(const std::vector<std::string>& cameras, const PictureFolders& folders);
+
+}  // namespace atrium::calibrate
