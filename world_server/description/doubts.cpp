@@ -28,7 +28,7 @@ void doubt_textures(const WorldDescription& world, std::vector<std::string>& lin
             fmt::format("texture_not_drawn model={} names=\"{}\" advice=\"textures of model files "
                         "are not drawn: name the picture with the key texture in the world file\"",
                         model,
-                        own));
+                        own.starts_with('*') ? "a picture inside the file" : own));
     }
 }
 
