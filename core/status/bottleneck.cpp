@@ -171,9 +171,10 @@ std::optional<std::string> OverloadLog::look(Figures now, Clock::time_point time
     const ProcessorUse use = now.processor;
     before_ = std::move(now);
     if (found.empty() || found.front().cause == Cause::kNetwork) return std::nullopt;
-    if (last_line_ && time - *last_line_ < kPeriod) return std::nullopt;
-    last_line_ = time;
     const Cause cause = found.front().cause;
+    const auto last = last_lines_.find(cause);
+    if (last != last_lines_.end() && time - last->second < kPeriod) return std::nullopt;
+    last_lines_[cause] = time;
     std::string what_to_do = own_advice_ ? own_advice_(cause) : "";
     if (what_to_do.empty()) what_to_do = advice(cause, kind_, use.run_per_s / host_cores_);
     return fmt::format("{} reason=\"{}\" cores={:.2f} host_cores={} advice=\"{}\"",

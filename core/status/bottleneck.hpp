@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <thread>
@@ -66,8 +67,9 @@ std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const 
 /// uses.
 std::string advice(Cause cause, bus::ProgramKind kind, double share_of_host);
 
-/// Makes a program's log lines about its own overload: the first at once, further ones at most
-/// every `kPeriod`. Leaves out the network, which the streams report. Not thread-safe.
+/// Makes a program's log lines about its own overload: the first of each cause at once, further
+/// ones of that cause at most every `kPeriod`. Leaves out the network, which the streams report.
+/// Not thread-safe.
 class OverloadLog {
 public:
     using Clock = std::chrono::steady_clock;
@@ -87,7 +89,7 @@ private:
     std::function<std::string(Cause)> own_advice_;
     unsigned host_cores_;
     std::optional<Figures> before_;
-    std::optional<Clock::time_point> last_line_;
+    std::map<Cause, Clock::time_point> last_lines_;
 };
 
 }  // namespace atrium::status

@@ -171,6 +171,21 @@ TEST(OverloadLog, WarnsAtOnceAndThenEveryFiveSeconds) {
     EXPECT_NE(look(13, 0.3), std::nullopt) << "at once";
 }
 
+TEST(OverloadLog, NamesAnotherCauseAtOnce) {
+    OverloadLog log(bus::ProgramKind::kWorldServer, {}, 1);
+    bus::WorldStatus status;
+    status.processor = waiting(0.3);
+    EXPECT_THAT(log.look(figures_of(status), kStart), Optional(HasSubstr("machine_too_slow")));
+    status.processor = waiting(0.0);
+    status.processor.run_per_s = 0.1;
+    EXPECT_EQ(log.look(figures_of(status), kStart + seconds(1)), std::nullopt);
+    status.num_skipped_ticks = 480;
+    EXPECT_THAT(log.look(figures_of(status), kStart + seconds(2)),
+                Optional(HasSubstr("stood_still")));
+    status.num_skipped_ticks = 960;
+    EXPECT_EQ(log.look(figures_of(status), kStart + seconds(3)), std::nullopt);
+}
+
 TEST(OverloadLog, BlamesOtherProgramsThatUseMostOfTheHost) {
     OverloadLog log(bus::ProgramKind::kWorldServer, {}, 4);
     bus::WorldStatus status;
