@@ -76,13 +76,16 @@ Expected<CachedLoop> load_or_render_loop(const std::vector<geometry::CalibratedC
     if (auto valid = check(options); !valid) return tl::unexpected(valid.error());
     const std::filesystem::path file = cache_file(cameras, options, cache_directory);
     if (auto cached = read_cached_loop(file, cameras, options))
-        return CachedLoop{.loop = *std::move(cached), .from_cache = true, .cache_problem = {}};
+        return CachedLoop{
+            .loop = *std::move(cached), .from_cache = true, .written = {}, .cache_problem = {}};
     auto rendered = render_loop(cameras, options, progress, std::move(stop));
     if (!rendered) return tl::unexpected(rendered.error());
-    CachedLoop result{.loop = *std::move(rendered), .from_cache = false, .cache_problem = {}};
-    if (auto written = write_cached_loop(file, cameras, options, result.loop); !written) {
+    CachedLoop result{
+        .loop = *std::move(rendered), .from_cache = false, .written = {}, .cache_problem = {}};
+    if (auto written = write_cached_loop(file, cameras, options, result.loop); !written)
         result.cache_problem = written.error();
-    }
+    else
+        result.written = file;
     return result;
 }
 

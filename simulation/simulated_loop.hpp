@@ -48,6 +48,7 @@ Expected<SimulatedLoop> render_loop(const std::vector<geometry::CalibratedCamera
 struct CachedLoop {
     SimulatedLoop loop;
     bool from_cache = false;
+    std::filesystem::path written;       // the cache's file, if this call wrote it
     std::optional<Error> cache_problem;  // why the loop could not be cached; the loop is valid
 };
 

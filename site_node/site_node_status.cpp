@@ -53,12 +53,12 @@ void SiteNode::report_status(std::stop_token stop) {
         metaframes_per_s_ = published_rate_.update(num_published_, Clock::now());
         bytes_per_s_ = bytes_rate_.update(num_bytes_, Clock::now());
         stage_times_.update_rates(Clock::now());
-        const ProcessorUse processor = processor_meter_.update();
+        bus::SiteStatus now = status();
+        now.processor = processor_meter_.update();  // after the losses, see bottlenecks()
         {
             const std::lock_guard processor_lock(processor_mutex_);
-            processor_ = processor;
+            processor_ = now.processor;
         }
-        const bus::SiteStatus now = status();
         if (auto written = writers_.status.write(now); !written)
             complaints_.warn(written.error().message);
         if (const std::string line = losses_line(former, now); !line.empty())

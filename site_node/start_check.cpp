@@ -1,8 +1,8 @@
 #include "site_node/start_check.hpp"
 
 #include "core/app/log.hpp"
-#include "core/base/disk_space.hpp"
 #include "core/base/looked_up.hpp"
+#include "core/base/write_check.hpp"
 #include "site_node/hull/input_limits.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
 
@@ -51,20 +51,20 @@ Expected<void> check_places(const SiteNodeConfig& config) {
         return found;
     }
     if (config.learn_background && !config.pipeline.background.folder.empty()) {
-        if (auto fits = check_writable(config.pipeline.background.folder,
-                                       kBackgroundBytes,
-                                       "segmentation.background_folder");
+        if (auto fits = check_folder_writable(config.pipeline.background.folder,
+                                              kBackgroundBytes,
+                                              "segmentation.background_folder");
             !fits)
             return fits;
     }
     if (!config.write_silhouettes.empty()) {
-        if (auto fits =
-                check_writable(config.write_silhouettes, kSilhouetteBytes, "--write-silhouettes");
+        if (auto fits = check_folder_writable(
+                config.write_silhouettes, kSilhouetteBytes, "--write-silhouettes");
             !fits)
             return fits;
     }
     if (config.preview.has_extension())
-        return check_writable(
+        return check_folder_writable(
             fs::absolute(config.preview).parent_path(), kPreviewBytes, "--preview");
     return {};
 }

@@ -3,6 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "viewer/config/user_files.hpp"
+#include "viewer/record/output_files.hpp"
 #include "viewer/start/choose_world.hpp"
 #include "viewer/start/recent_worlds.hpp"
 #include "viewer/viewer.hpp"
@@ -121,6 +122,7 @@ private:
 }  // namespace
 
 int run_viewer(ViewerConfig config, std::stop_token stop) {
+    if (const auto ready = check_outputs(config); !ready) return app::fail(ready.error());
     config.viewpoint_file = user_file("viewpoints.toml");
     if (is_unattended(config)) {
         if (config.bus.world.empty()) config.bus.world = bus::BusOptions().world;

@@ -3,8 +3,21 @@
 #include "core/bus/bus_options.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace atrium::world_server {
+namespace {
+
+// "[-4, -4, -0.5] to [4, 4, 4] m; it is at [150, 0, 50]".
+std::string place_and_bounds(const Eigen::Vector3d& place_m, const geometry::Aabb& box) {
+    return fmt::format("[{}] to [{}] m; it is at [{}]",
+                       fmt::join(box.min, ", "),
+                       fmt::join(box.max, ", "),
+                       fmt::join(place_m, ", "));
+}
+
+}  // namespace
+
 void declare(WorldServerConfig& config, config::OptionSet& set) {
     set.add("world.tick_hz", config.tick_hz, "steps of the simulation per second [Hz]", {30, 1000});
     set.add("world.send_hz", config.send_hz, "states published per second [Hz]", {1, 1000});
@@ -82,14 +95,17 @@ Expected<void> check(const WorldServerConfig& config) {
     for (const WorldObject& object : config.objects) {
         const physics::RigidObject& rigid = object.rigid;
         if (rigid.mass_kg > 0.0 && !box.contains(rigid.world_from_object.translation)) {
-            return wrong(
-                fmt::format("object '{}': must start inside the world's bounds", object.name));
+            return wrong(fmt::format("object '{}': must start inside the world's bounds, {}",
+                                     object.name,
+                                     place_and_bounds(rigid.world_from_object.translation, box)));
         }
     }
     for (const WorldSoftObject& soft : config.soft) {
         if (!box.contains(soft.object.world_from_object.translation)) {
             return wrong(
-                fmt::format("soft object '{}': must start inside the world's bounds", soft.name));
+                fmt::format("soft object '{}': must start inside the world's bounds, {}",
+                            soft.name,
+                            place_and_bounds(soft.object.world_from_object.translation, box)));
         }
     }
     if (config.placements.size() > static_cast<std::size_t>(config.max_sites)) {

@@ -90,7 +90,7 @@ void EditWorker::add_model(const bus::SceneEdit& edit) {
         auto loaded = load_model_parts(
             file, object.model_scale, static_cast<physics::ObjectShape>(object.shape));
         if (!loaded) return refuse(edit, loaded.error().message);
-        parts = std::move(*loaded);
+        parts = std::move(loaded->parts);
     }
     if (!commands_.put_prepared({edit, parts, nullptr})) refuse(edit, "too many edits at once");
 }

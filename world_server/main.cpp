@@ -1,4 +1,3 @@
-#include "core/app/log.hpp"
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
 #include "world_server/config.hpp"
@@ -27,9 +26,6 @@ int main(int argc, char** argv) {
 
     auto server = world_server::WorldServer::create(config, stop.token());
     if (!server) return stop.token().stop_requested() ? 0 : app::fail(server.error());
-    app::log::info("running world={} objects={}",
-                   config.bus.world,
-                   config.objects.size() + config.soft.size());
     if (const auto done = (*server)->run(stop.token()); !done) return app::fail(done.error());
     return 0;
 }

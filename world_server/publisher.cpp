@@ -13,27 +13,32 @@ void Publisher::note(const Expected<std::size_t>& written) {
         log_.warn("publish_failed " + written.error().message);
 }
 
+// A new object may have the number of a gone one that was soft or a model.
 void Publisher::send(const SceneChange& change) {
-    if (!change.is_gone) {
+    const std::uint32_t id = change.object.object;
+    if (change.is_gone)
+        dispose(endpoints_.objects, change.object);
+    else
         write(endpoints_.objects, change.object);
-        if (change.soft) write(endpoints_.soft_bodies, *change.soft);
-        if (change.proxy) write(endpoints_.object_proxies, *change.proxy);
-        return;
-    }
-    dispose(endpoints_.objects, change.object);
-    if (change.object.shape == bus::Shape::kConvex ||
-        change.object.shape == bus::Shape::kCompound) {
+    if (change.proxy && !change.is_gone) {
+        models_.insert(id);
+        write(endpoints_.object_proxies, *change.proxy);
+    } else if (models_.erase(id) > 0) {
         bus::ObjectProxy proxy;
-        proxy.object = change.object.object;
+        proxy.object = id;
         dispose(endpoints_.object_proxies, proxy);
     }
-    if (change.object.shape != bus::Shape::kSoft) return;
-    bus::SoftBody body;
-    body.object = change.object.object;
-    dispose(endpoints_.soft_bodies, body);
-    bus::SoftBodyState state;
-    state.object = change.object.object;
-    dispose(endpoints_.soft_states, state);
+    if (change.soft && !change.is_gone) {
+        soft_.insert(id);
+        write(endpoints_.soft_bodies, *change.soft);
+    } else if (soft_.erase(id) > 0) {
+        bus::SoftBody body;
+        body.object = id;
+        dispose(endpoints_.soft_bodies, body);
+        bus::SoftBodyState state;
+        state.object = id;
+        dispose(endpoints_.soft_states, state);
+    }
 }
 
 void Publisher::forget_all_but(std::span<const physics::PersonSnapshot> people) {
@@ -81,7 +86,10 @@ void Publisher::send(const Outbox::Content& content) {
     if (content.has_people && has_proxy_readers()) send(content.people);
     if (!content.has_state) return;
     write(endpoints_.states, content.state.rigid);
-    for (const auto& state : content.state.soft) write(endpoints_.soft_states, state);
+    for (const auto& state : content.state.soft) {
+        // the state may be older than the changes
+        if (soft_.contains(state.object)) write(endpoints_.soft_states, state);
+    }
 }
 
 }  // namespace atrium::world_server

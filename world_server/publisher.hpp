@@ -42,6 +42,8 @@ private:
     void note(const Expected<std::size_t>& written);
 
     Endpoints& endpoints_;
+    std::set<std::uint32_t> soft_;    // objects with a published SoftBody
+    std::set<std::uint32_t> models_;  // objects with a published ObjectProxy
     std::set<std::string> proxied_;   // sites with a published person proxy
     std::set<std::string> answered_;  // senders with an edit result
     bus::PersonProxy proxy_;          // scratch, like places_

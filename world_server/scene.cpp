@@ -150,7 +150,7 @@ Expected<Scene> Scene::restore(const WorldServerConfig& config, const SavedWorld
                                            object.model_scale,
                                            static_cast<physics::ObjectShape>(object.shape));
             if (!loaded) return tl::unexpected(loaded.error());
-            parts = std::move(*loaded);
+            parts = std::move(loaded->parts);
         }
         if (const auto added = scene->put(object, parts); !added)
             return tl::unexpected(added.error());

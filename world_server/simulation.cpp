@@ -174,7 +174,7 @@ void Simulation::hash_periodically(double tick_s) {
     hash_credit_s_ = 0.0;
     const std::uint64_t tick = scene_.world().counters().num_ticks;
     const std::uint64_t hash = scene_.world().state_hash();
-    app::log::info("state_hash tick={} hash={:016x}", tick, hash);
+    app::log::debug("state_hash tick={} hash={:016x}", tick, hash);
     const std::lock_guard lock(status_mutex_);
     figures_.state_tick = tick;
     figures_.state_hash = hash;

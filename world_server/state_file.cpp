@@ -1,7 +1,7 @@
 #include "world_server/state_file.hpp"
 
 #include "core/base/descriptor.hpp"
-#include "core/base/write_probe.hpp"
+#include "core/base/write_check.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -67,7 +67,7 @@ Expected<void> write_atomically(const fs::path& file, std::span<const std::uint8
 Expected<void> check_writable(const fs::path& file) {
     std::error_code ignored;
     if (fs::is_directory(file, ignored)) return tl::unexpected(failed("replace", file, EISDIR));
-    return probe_writing(file.string() + ".new");
+    return probe_file(file.string() + ".new");
 }
 
 Expected<std::vector<std::uint8_t>> read_file(const fs::path& file) {

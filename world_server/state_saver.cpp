@@ -19,10 +19,11 @@ Expected<void> StateSaver::save(const SavedWorld& world) {
         return written;
     }
     ++num_saves_;
-    app::log::info("state_saved file={} tick={} objects={} bytes={}",
+    app::log::info("state_saved file={} tick={} objects={} soft={} bytes={}",
                    file_.string(),
                    world.state.tick,
-                   world.state.objects.size() + world.state.soft.size(),
+                   world.state.objects.size(),
+                   world.state.soft.size(),
                    bytes.size());
     return {};
 }

@@ -7,6 +7,7 @@
 #include "core/base/statistics.hpp"
 #include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
+#include "world_server/description/doubts.hpp"
 #include "world_server/endpoints.hpp"
 #include "world_server/mesh_preparation.hpp"
 #include "world_server/publisher.hpp"
@@ -17,8 +18,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <map>
 #include <mutex>
 #include <set>
+#include <string>
 #include <thread>
 
 namespace atrium::world_server {
@@ -245,15 +248,14 @@ void WorldServer::Impl::publish(std::stop_token stop) {
         const Clock::time_point now = Clock::now();
         if (now < next_status) continue;
         next_status = std::max(next_status + kStatusPeriod, now);
-        const bus::WorldStatus now_status = status();
-        steps_per_s = step_rate.update(now_status.num_steps, now);
-        bytes_per_s = byte_rate.update(now_status.num_bytes_published, now);
+        bus::WorldStatus sent = status();
+        sent.steps_per_s = steps_per_s = step_rate.update(sent.num_steps, now);
+        sent.bytes_per_s = bytes_per_s = byte_rate.update(sent.num_bytes_published, now);
+        sent.processor = processor_meter.update(now);  // after the losses, see bottlenecks()
         {
-            const ProcessorUse measured = processor_meter.update(now);
             const std::lock_guard lock(processor_mutex);
-            processor = measured;
+            processor = sent.processor;
         }
-        const bus::WorldStatus sent = status();
         publisher.send(sent);
         if (const auto line = overload.look(atrium::status::figures_of(sent), now))
             app::log::warn("{}", *line);
@@ -313,6 +315,12 @@ Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConf
     // only now: the state file belongs to the server that holds the name
     auto scene = start_scene(config, std::move(*described));
     if (!scene) return tl::unexpected(scene.error());
+    for (const std::string& doubt : doubts_about(config)) app::log::warn("{}", doubt);
+    const std::size_t num_soft = scene->soft_objects().size();
+    app::log::info("running world={} objects={} soft={}",
+                   config.bus.world,
+                   scene->num_objects() - num_soft,
+                   num_soft);
     return std::unique_ptr<WorldServer>(new WorldServer(std::make_unique<Impl>(
         config, std::move(*endpoints), loss, std::move(*member), std::move(*scene))));
 }

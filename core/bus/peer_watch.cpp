@@ -44,19 +44,6 @@ EndpointQos get_qos(const dds_qos_t* qos) {
     return out;
 }
 
-std::vector<std::string> worlds_of(const dds_qos_t* qos) {
-    std::uint32_t num = 0;
-    char** names = nullptr;
-    std::vector<std::string> worlds;
-    if (!dds_qget_partition(qos, &num, &names)) return worlds;
-    for (std::uint32_t i = 0; i < num; ++i) {
-        worlds.emplace_back(names[i]);
-        dds_free(names[i]);
-    }
-    dds_free(names);
-    return worlds;
-}
-
 bool has_our_type_name(const dds_builtintopic_endpoint_t& theirs, dds_entity_t our_topic) {
     std::array<char, 256> our_name{};
     dds_get_type_name(our_topic, our_name.data(), our_name.size());
@@ -103,6 +90,19 @@ std::string text_of(const dds_guid_t& guid) {
 }
 
 }  // namespace
+
+std::vector<std::string> worlds_of(const dds_qos_t* qos) {
+    std::uint32_t num = 0;
+    char** names = nullptr;
+    std::vector<std::string> worlds;
+    if (!dds_qget_partition(qos, &num, &names)) return worlds;
+    for (std::uint32_t i = 0; i < num; ++i) {
+        worlds.emplace_back(names[i]);
+        dds_free(names[i]);
+    }
+    dds_free(names);
+    return worlds;
+}
 
 struct PeerWatch::State {
     std::mutex mutex;

@@ -13,6 +13,9 @@
 /// Finds programs of the world that are present but incompatible. Private to core/bus.
 namespace atrium::bus {
 
+/// The worlds of an endpoint: its partitions, names or patterns.
+std::vector<std::string> worlds_of(const dds_qos_t* qos);
+
 /// A reader or writer of this process.
 struct WatchedEndpoint {
     std::string topic_name;

@@ -2,6 +2,7 @@
 
 #include "core/bus/names.hpp"
 #include "core/bus/participant.hpp"
+#include "core/bus/peer_watch.hpp"
 #include "core/bus/topics.hpp"
 #include "core/bus/wire.hpp"
 
@@ -22,16 +23,9 @@ constexpr std::size_t kMaxListenerBatches = 256;  // so a take ends while sample
 std::string world_of_writer(dds_entity_t reader, dds_instance_handle_t writer) {
     dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader, writer);
     if (endpoint == nullptr) return {};
-    std::string world;
-    std::uint32_t num = 0;
-    char** names = nullptr;
-    if (dds_qget_partition(endpoint->qos, &num, &names)) {
-        if (num == 1) world = names[0];
-        for (std::uint32_t i = 0; i < num; ++i) dds_free(names[i]);
-        dds_free(names);
-    }
+    const std::vector<std::string> worlds = worlds_of(endpoint->qos);
     dds_builtintopic_free_endpoint(endpoint);
-    return is_valid_name(world) ? world : std::string();
+    return worlds.size() == 1 && is_valid_name(worlds[0]) ? worlds[0] : std::string();
 }
 
 }  // namespace

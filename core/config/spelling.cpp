@@ -1,9 +1,11 @@
 #include "core/config/spelling.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <numeric>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 namespace atrium::config {
@@ -52,6 +54,11 @@ std::optional<std::size_t> rank(std::string_view written, std::string_view meant
     return parts ? std::optional(*parts + kOtherTable) : std::nullopt;
 }
 
+std::string in_lower_case(std::string text) {
+    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+    return text;
+}
+
 }  // namespace
 
 bool may_be_misspelling(std::string_view written, std::string_view meant) {
@@ -80,6 +87,39 @@ std::string ask_which(const std::vector<std::string>& names, std::string_view be
     for (const std::string& name : names)
         text.append(text.empty() ? "did you mean " : " or ").append(before).append(name);
     return text.empty() ? text : text + "?";
+}
+
+std::string ask_which_path(const std::filesystem::path& missing) {
+    constexpr int kMaxEntries = 10'000;  // a folder may be huge
+    namespace fs = std::filesystem;
+    std::error_code failure;
+    fs::path existing;
+    for (const fs::path& part : missing) {
+        if (fs::exists(existing / part, failure)) {
+            existing /= part;
+            continue;
+        }
+        const std::string written = in_lower_case(part.string());
+        std::size_t best = std::string::npos;
+        std::vector<std::string> meant;
+        int num_entries = 0;
+        const fs::path folder = existing.empty() ? fs::path(".") : existing;
+        for (fs::directory_iterator entry(folder, failure), end;
+             !failure && entry != end && ++num_entries <= kMaxEntries;
+             entry.increment(failure)) {
+            const std::string name = in_lower_case(entry->path().filename().string());
+            if (!may_be_misspelling(written, name)) continue;
+            const std::size_t distance = num_edits(written, name);
+            if (distance > best) continue;
+            if (distance < best) meant.clear();
+            best = distance;
+            meant.push_back((existing / entry->path().filename()).string());
+        }
+        std::ranges::sort(meant);
+        if (meant.size() > 3) meant.resize(3);
+        return ask_which(meant);
+    }
+    return {};
 }
 
 }  // namespace atrium::config

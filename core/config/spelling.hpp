@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,5 +19,9 @@ std::vector<std::string> names_meant_by(std::string_view written,
 
 /// Returns "did you mean A or B?", or nothing if `names` is empty. `before` precedes each name.
 std::string ask_which(const std::vector<std::string>& names, std::string_view before = "");
+
+/// For a path that does not exist: finds files and folders beside its first missing part whose
+/// names may be meant, by spelling or case. Returns "did you mean DIR/rooms?", or nothing.
+std::string ask_which_path(const std::filesystem::path& missing);
 
 }  // namespace atrium::config

@@ -74,6 +74,10 @@ std::string shown(const toml::value& value) {
     return line;
 }
 
+Error unknown(const std::string& where, const std::string& key, const std::string& hint) {
+    return {ErrorKind::kConfiguration, where + ": " + key + ": unknown key; " + hint};
+}
+
 bool has_tables(const toml::value& value) {
     return value.is_table() ||
            (value.is_array() && !value.as_array().empty() && value.as_array().front().is_table());
@@ -96,7 +100,11 @@ TableReader::TableReader(std::shared_ptr<Document> document, std::shared_ptr<Nod
 
 Expected<TableReader> TableReader::load(const std::filesystem::path& file) {
     const auto text = read_text_file(file);
-    if (!text) return tl::unexpected(text.error());
+    if (!text) {
+        const std::string meant = ask_which_path(file);
+        return make_error(text.error().kind,
+                          text.error().message + (meant.empty() ? "" : "; " + meant));
+    }
     auto reader = parse(*text, file.string());
     if (reader) reader->document_->folder = file.parent_path();
     return reader;
@@ -189,6 +197,8 @@ std::string TableReader::where(const std::string& key) const {
 }
 
 void TableReader::report(const std::string& key, const std::string& problem, ErrorKind kind) {
+    if (!document_->first_problem && problem.starts_with("is missing"))
+        document_->missing = {holder(key).node_, last_part(key)};
     const toml::value* value = holder(key).node_->find(last_part(key));
     const bool is_shown = value != nullptr && !has_tables(*value);
     document_->report(where(key),
@@ -208,7 +218,6 @@ void TableReader::reject(const std::string& key, const Error& error) {
 
 void TableReader::require(const std::string& key) {
     if (has(key)) return;
-    if (!document_->first_problem) document_->missing = {holder(key).node_, last_part(key)};
     reject(key, "is missing");
 }
 
@@ -327,18 +336,23 @@ void TableReader::read(const std::string& key, std::vector<std::string>& values)
     for (const toml::value& v : found->as_array()) values.push_back(v.as_string());
 }
 
-// If the first error is a missing key, looks for an unknown key with a similar spelling.
+// Looks for a misspelt name that explains the first error: that of a table, whose content is then
+// missing elsewhere, or of a key that the error calls missing.
 std::optional<Error> TableReader::misspelling() const {
+    const std::vector<std::string> known(node_->asked.begin(), node_->asked.end());
+    for (const auto& [key, value] : node_->table->as_table()) {
+        if (node_->asked.contains(key) || !has_tables(value)) continue;
+        const std::string meant = ask_which(names_meant_by(key, known));
+        if (meant.empty()) continue;
+        return unknown(location(document_->name, value), node_->path + key, meant);
+    }
     const auto& [node, missing] = document_->missing;
     if (node == nullptr || node->table == nullptr) return std::nullopt;
     for (const auto& [key, value] : node->table->as_table()) {
         if (node->asked.contains(key) || !may_be_misspelling(key, missing)) continue;
-        return Error{ErrorKind::kConfiguration,
-                     fmt::format("{}: {}{}: unknown key; did you mean {}, which is missing?",
-                                 location(document_->name, value),
-                                 node->path,
-                                 key,
-                                 missing)};
+        return unknown(location(document_->name, value),
+                       node->path + key,
+                       "did you mean " + missing + ", which is missing?");
     }
     return std::nullopt;
 }
@@ -359,13 +373,9 @@ std::optional<Error> TableReader::unknown_key(const Node& node) const {
         add_known_keys(*node_, known);
         std::string hint = ask_which(names_meant_by(node.path + key, known));
         if (!hint.empty()) hint += ' ';
-        return Error{ErrorKind::kConfiguration,
-                     fmt::format("{}: {}{}: unknown key; {}known here: {}",
-                                 location(document_->name, value),
-                                 node.path,
-                                 key,
-                                 hint,
-                                 fmt::join(node.asked, ", "))};
+        return unknown(location(document_->name, value),
+                       node.path + key,
+                       fmt::format("{}known here: {}", hint, fmt::join(node.asked, ", ")));
     }
     for (const auto& [key, child] : node.children) {
         if (auto error = unknown_key(*child)) return error;

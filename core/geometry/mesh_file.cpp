@@ -1,5 +1,7 @@
 #include "core/geometry/mesh_file.hpp"
 
+#include "core/base/write_check.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -7,6 +9,7 @@
 #include <bit>
 #include <cassert>
 #include <cctype>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -252,10 +255,11 @@ Expected<void> write_mesh(const std::filesystem::path& path,
                           path.string() + ": unknown mesh format; use .ply, .obj, .gltf or .glb");
     }
     const std::string bytes = encode(mesh, normals);
+    errno = 0;
     std::ofstream file(path, std::ios::binary | std::ios::trunc);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     file.close();
-    if (!file) return make_error(ErrorKind::kUnavailable, path.string() + ": cannot be written");
+    if (!file) return tl::unexpected(cannot_write(path, "write", errno));
     return {};
 }
 

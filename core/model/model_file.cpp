@@ -46,6 +46,14 @@ Eigen::Vector3d colour_of(const aiMaterial& material) {
     return rgb.cwiseMax(0.0).cwiseMin(1.0);
 }
 
+std::string texture_of(const aiMaterial& material) {
+    aiString path;
+    for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
+        if (material.GetTexture(type, 0, &path) == aiReturn_SUCCESS) return path.C_Str();
+    }
+    return {};
+}
+
 class PartCollector {
 public:
     PartCollector(const aiScene& scene,
@@ -93,8 +101,10 @@ private:
             return invalid(fmt::format("has more than {} triangles", limits_.max_triangles));
         ModelPart part;
         part.name = mesh.mName.C_Str();
-        if (mesh.mMaterialIndex < scene_.mNumMaterials)
+        if (mesh.mMaterialIndex < scene_.mNumMaterials) {
             part.colour = colour_of(*scene_.mMaterials[mesh.mMaterialIndex]);
+            part.own_texture = texture_of(*scene_.mMaterials[mesh.mMaterialIndex]);
+        }
         for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
             const aiVector3D& p = mesh.mVertices[v];
             const Eigen::Vector3d at =
@@ -103,7 +113,7 @@ private:
             if (!(at.cwiseAbs().maxCoeff() <= limits_.max_coordinate_m))
                 return invalid(
                     fmt::format("a vertex of part '{}' is further than {} m from the "
-                                "origin, or not a number",
+                                "origin, or not a number; scale = 0.001 reads millimetres",
                                 part.name,
                                 limits_.max_coordinate_m));
             part.mesh.vertices.push_back(at);
@@ -158,6 +168,13 @@ Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& 
 }
 
 }  // namespace
+
+std::string own_texture_of(const std::vector<ModelPart>& parts) {
+    for (const ModelPart& part : parts) {
+        if (!part.own_texture.empty()) return part.own_texture;
+    }
+    return {};
+}
 
 bool is_model_name(const std::filesystem::path& file) {
     return std::find(kEndings.begin(), kEndings.end(), ending_of(file)) != kEndings.end();

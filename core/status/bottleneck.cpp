@@ -116,18 +116,23 @@ std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const 
                                              ? std::optional<Growth>({*before, now})
                                              : std::nullopt;
     const std::string late = growth ? late_text(*growth) : "";
-    if (is_short_of_processor(now.processor)) {
-        found.push_back({Cause::kMachine,
-                         fmt::format("machine too slow: waited {} of the time for a core{}",
-                                     percent(now.processor.longest_wait_per_s),
-                                     late.empty() ? "" : "; " + late)});
+    const bool is_short = is_short_of_processor(now.processor);
+    if (is_short || (!late.empty() && is_short_of_processor(before->processor))) {
+        const ProcessorUse& use = is_short ? now.processor : before->processor;
+        found.push_back(
+            {Cause::kMachine,
+             fmt::format("machine too slow: one thread waited {} of the time for a core{}",
+                         percent(use.longest_wait_per_s),
+                         late.empty() ? "" : "; " + late)});
         return found;
     }
     if (!late.empty() && now.processor.is_waiting_known && now.processor.run_per_s < kBusyCores) {
         found.push_back({Cause::kStoodStill,
-                         fmt::format("the program stood still: {}, with {:.2f} cores in use",
+                         fmt::format("the program stood still: {}; it used {:.2f} cores and waited "
+                                     "{} of the time for one",
                                      late,
-                                     now.processor.run_per_s)});
+                                     now.processor.run_per_s,
+                                     percent(now.processor.longest_wait_per_s))});
     } else if (!late.empty()) {
         const bool is_known = now.processor.is_waiting_known;
         found.push_back(
@@ -142,11 +147,14 @@ std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const 
     return found;
 }
 
-std::string advice(Cause cause, bus::ProgramKind kind) {
+std::string advice(Cause cause, bus::ProgramKind kind, double share_of_host) {
     if (cause == Cause::kNetwork) return "see docs/streams.md";
     if (cause == Cause::kStoodStill)
-        return "check whether the program was stopped, the host suspended or its virtual machine "
-               "paused";
+        return "check whether the program was stopped (Ctrl-Z, a debugger), the host slept, or its "
+               "virtual machine got no processor time (st in top)";
+    if (cause == Cause::kMachine && share_of_host < kLargestUser)
+        return "other programs use most of this host's cores: see top, and end some of them or "
+               "give them a lower priority (nice)";
     std::string less = "give it less to do";
     if (kind == bus::ProgramKind::kSiteNode)
         less = "lower capture.rate_hz, or use fewer or smaller pictures";
@@ -163,16 +171,17 @@ std::optional<std::string> OverloadLog::look(Figures now, Clock::time_point time
     const ProcessorUse use = now.processor;
     before_ = std::move(now);
     if (found.empty() || found.front().cause == Cause::kNetwork) return std::nullopt;
-    if (last_line_ && time - *last_line_ < kPeriod) return std::nullopt;
-    last_line_ = time;
     const Cause cause = found.front().cause;
+    const auto last = last_lines_.find(cause);
+    if (last != last_lines_.end() && time - last->second < kPeriod) return std::nullopt;
+    last_lines_[cause] = time;
     std::string what_to_do = own_advice_ ? own_advice_(cause) : "";
-    if (what_to_do.empty()) what_to_do = advice(cause, kind_);
-    return fmt::format("{} reason=\"{}\" cores={:.2f} waited_per_s={} advice=\"{}\"",
+    if (what_to_do.empty()) what_to_do = advice(cause, kind_, use.run_per_s / host_cores_);
+    return fmt::format("{} reason=\"{}\" cores={:.2f} host_cores={} advice=\"{}\"",
                        name_of(cause),
                        found.front().text,
                        use.run_per_s,
-                       use.is_waiting_known ? fmt::format("{:.2f}", use.waited_per_s) : "unknown",
+                       host_cores_,
                        what_to_do);
 }
 

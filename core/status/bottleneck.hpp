@@ -2,10 +2,14 @@
 
 #include "core/status/figures.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 /// Finds what slows a program down: its machine, its work or the network. The same rules and
@@ -19,6 +23,10 @@ inline constexpr double kShortOfProcessor = 0.2;
 /// A program is overloaded if it loses this share of its due work because it was still busy. A
 /// single hiccup, one of 30 metaframes in a second, is less.
 inline constexpr double kOverloaded = 0.05;
+
+/// A program that is short of processor time and uses less than this share of its host's cores is
+/// held up by other programs: they use more than it does.
+inline constexpr double kLargestUser = 0.5;
 
 /// An overloaded program uses about one core, since one of its threads never rests. If it loses
 /// work and uses fewer cores than this, it stood still: it or its host was stopped.
@@ -50,21 +58,28 @@ struct Bottleneck {
 /// Finds the bottlenecks of a program between two of its reports. Without `before`, or if it is of
 /// another process, only the processor is judged. A program that is short of processor time also
 /// loses samples: its losses are then not attributed to the network.
+///
+/// A loss is counted after the wait that caused it. Reports must read their losses before their
+/// processor use: then the wait is in the same report, or in the one before.
 std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const Figures& now);
 
-/// Tells the user what to do about it.
-std::string advice(Cause cause, bus::ProgramKind kind);
+/// Tells the user what to do about it. `share_of_host`: part of the host's cores that the program
+/// uses.
+std::string advice(Cause cause, bus::ProgramKind kind, double share_of_host);
 
-/// Makes a program's log lines about its own overload: the first at once, further ones at most
-/// every `kPeriod`. Leaves out the network, which the streams report. Not thread-safe.
+/// Makes a program's log lines about its own overload: the first of each cause at once, further
+/// ones of that cause at most every `kPeriod`. Leaves out the network, which the streams report.
+/// Not thread-safe.
 class OverloadLog {
 public:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::seconds kPeriod{5};
 
-    /// `own_advice` replaces `advice` where it has an answer.
-    explicit OverloadLog(bus::ProgramKind kind, std::function<std::string(Cause)> own_advice = {})
-        : kind_(kind), own_advice_(std::move(own_advice)) {}
+    /// `own_advice` replaces `advice` where it has an answer. `host_cores`: those of this host.
+    explicit OverloadLog(bus::ProgramKind kind,
+                         std::function<std::string(Cause)> own_advice = {},
+                         unsigned host_cores = std::thread::hardware_concurrency())
+        : kind_(kind), own_advice_(std::move(own_advice)), host_cores_(std::max(1U, host_cores)) {}
 
     /// Returns the line to log, if any. Call it after each report of the program.
     std::optional<std::string> look(Figures now, Clock::time_point time);
@@ -72,8 +87,9 @@ public:
 private:
     bus::ProgramKind kind_;
     std::function<std::string(Cause)> own_advice_;
+    unsigned host_cores_;
     std::optional<Figures> before_;
-    std::optional<Clock::time_point> last_line_;
+    std::map<Cause, Clock::time_point> last_lines_;
 };
 
 }  // namespace atrium::status

@@ -4,6 +4,9 @@
 #include "simulation/model.hpp"
 #include "site_node/simulated_room/simulated_source.hpp"
 
+#include <filesystem>
+#include <system_error>
+
 namespace atrium::simulated_room {
 
 Expected<std::unique_ptr<capture::FrameSource>> open_room(const config::Rig& rig,
@@ -29,6 +32,12 @@ Expected<std::unique_ptr<capture::FrameSource>> open_room(const config::Rig& rig
     if (!source) return tl::unexpected(source.error());
     if (const std::string& problem = (*source)->cache_problem(); !problem.empty()) {
         app::log::warn("the rendered room cannot be cached reason=\"{}\"", problem);
+    }
+    if (const std::filesystem::path& file = (*source)->cache_written(); !file.empty()) {
+        std::error_code failure;
+        app::log::info("the rendered room is kept file={} megabytes={}",
+                       file.string(),
+                       std::filesystem::file_size(file, failure) / 1'000'000);
     }
     return std::unique_ptr<capture::FrameSource>(std::move(*source));
 }

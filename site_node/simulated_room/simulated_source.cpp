@@ -23,6 +23,7 @@ Expected<std::unique_ptr<SimulatedSource>> SimulatedSource::create(
     auto cached = simulation::load_or_render_loop(rig.cameras, room, cache, progress, stop);
     if (!cached) return tl::unexpected(cached.error());
     source->loop_ = std::move(cached->loop);
+    source->cache_written_ = cached->written;
     if (cached->cache_problem) source->cache_problem_ = cached->cache_problem->message;
     return source;
 }

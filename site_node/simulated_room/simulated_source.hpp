@@ -33,6 +33,8 @@ public:
 
     /// Reason why the loop is not cached; empty if it is.
     const std::string& cache_problem() const { return cache_problem_; }
+    /// The cache's file, if the room was rendered into it; else empty.
+    const std::filesystem::path& cache_written() const { return cache_written_; }
 
 private:
     explicit SimulatedSource(config::Rig rig);
@@ -40,6 +42,7 @@ private:
     capture::DeliveryCounters counters_;
     simulation::SimulatedLoop loop_;
     std::string cache_problem_;
+    std::filesystem::path cache_written_;
 };
 
 }  // namespace atrium::simulated_room

@@ -1,6 +1,6 @@
 #include "tools/demo/result_folder.hpp"
 
-#include "core/base/write_probe.hpp"
+#include "core/base/write_check.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -38,7 +38,7 @@ Expected<ResultFolder> ResultFolder::create(const fs::path& output) {
     fs::remove_all(folder.running(), failure);  // of a demo that was killed
     if (!failure) fs::create_directory(folder.running(), failure);
     if (failure) return unusable(output, failure.message());
-    if (auto written = probe_writing(folder.running() / "probe"); !written)
+    if (auto written = probe_file(folder.running() / "probe"); !written)
         return unusable(output, written.error().message);
     return folder;
 }

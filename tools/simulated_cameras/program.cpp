@@ -3,6 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/app/private_network.hpp"
 #include "simulation/model.hpp"
+#include "site_node/rig_check/rig_geometry.hpp"
 #include "tools/simulated_cameras/camera_server.hpp"
 #include "tools/simulated_cameras/command.hpp"
 #include "tools/simulated_cameras/sensor.hpp"
@@ -40,6 +41,12 @@ Expected<void> check(const config::Rig& rig) {
         }
     }
     return {};
+}
+
+// Only warnings: cameras of which no hull is possible can be served as well.
+void warn_about(const config::Rig& rig, const std::filesystem::path& file) {
+    for (const rig_check::Finding& finding : rig_check::check_rig(rig.cameras, rig.unit_m))
+        app::log::warn("rig_looks_wrong file={} reason=\"{}\"", file.string(), finding.text);
 }
 
 Expected<ShownPictures> load_pictures(const Plan& plan, std::stop_token stop) {
@@ -90,6 +97,7 @@ Expected<Plan> make_plan(const SimulatedCamerasConfig& config, std::vector<std::
     plan.rig = std::move(*rig);
     if (config.rate_hz > 0.0) plan.rig.rate_hz = config.rate_hz;
     if (auto checked = check(plan.rig); !checked) return tl::unexpected(checked.error());
+    warn_about(plan.rig, config.recording.empty() ? config.rig : config.recording / "rig.toml");
     auto format = find_pixel_format(config.pixel_format);
     if (!format) return tl::unexpected(format.error());
     plan.format = *format;

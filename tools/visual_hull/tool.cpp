@@ -1,7 +1,9 @@
 #include "tools/visual_hull/tool.hpp"
 
-#include "core/base/disk_space.hpp"
+#include "core/base/descriptor.hpp"
 #include "core/base/thread_pool.hpp"
+#include "core/base/write_check.hpp"
+#include "core/config/spelling.hpp"
 #include "core/geometry/decimate.hpp"
 #include "core/geometry/mesh_file.hpp"
 #include "core/geometry/triangle_mesh.hpp"
@@ -15,11 +17,12 @@
 #include "tools/visual_hull/limits.hpp"
 #include "tools/visual_hull/recording_views.hpp"
 
+#include <fcntl.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <new>
 #include <optional>
 #include <system_error>
@@ -217,13 +220,18 @@ Expected<void> try_output(const std::filesystem::path& path) {
     const bool is_other = !is_new && !std::filesystem::is_regular_file(status) &&
                           !std::filesystem::is_directory(status);
     if (path.empty() || is_other) return {};  // opening a pipe would be visible to its reader
-    if (auto space =
-            check_writable(std::filesystem::absolute(path).parent_path(), kLeastSpace, "--output");
+    if (auto space = check_folder_writable(
+            std::filesystem::absolute(path).parent_path(), kLeastSpace, "--output");
         !space && !std::filesystem::is_directory(status))
         return space;
-    const bool writable = std::ofstream(path, std::ios::binary | std::ios::app).is_open();
-    if (!writable)
-        return make_error(ErrorKind::kUnavailable, path.string() + ": cannot be written");
+    const Descriptor file(open(path.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0644));
+    if (file.get() < 0) {
+        const int reason = errno;
+        Error error = cannot_write(path, "create", reason);
+        if (const auto meant = config::ask_which_path(path.parent_path()); !meant.empty())
+            error.message += ", or " + meant;
+        return tl::unexpected(std::move(error));
+    }
     if (is_new) std::filesystem::remove(path, failure);
     return {};
 }

@@ -104,7 +104,9 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             "fail if they are not shown after this time [s]",
             {.min = 0, .max = 1e9});
     set.add("output", config.output, "PNG file for the last picture; empty: none");
-    set.add("screenshot_dir", config.screenshot_dir, "folder for screenshots (F12 or P)");
+    set.add("screenshot_dir",
+            config.screenshot_dir,
+            "folder for screenshots (F12 or P) and videos (F9); default: the current one");
     set.add("viewer.models", config.models, "local folder of the models that worlds name");
     set.add("video.file", config.video.file, "video to write: .avi, .mp4 or .mkv; empty: none");
     set.add("video.fps",

@@ -1,6 +1,7 @@
 #include "viewer/record/output_files.hpp"
 
 #include "core/app/log.hpp"
+#include "core/base/write_check.hpp"
 #include "viewer/record/picture_file.hpp"
 
 #include <fmt/format.h>
@@ -9,6 +10,20 @@
 #include <utility>
 
 namespace atrium::viewer {
+
+Expected<void> check_outputs(const ViewerConfig& config) {
+    if (auto named = check_file_names(config); !named) return named;
+    for (const std::filesystem::path& file : {config.output, config.video.file}) {
+        if (file.empty()) continue;
+        if (auto ready = prepare_file(file); !ready) return ready;
+    }
+    constexpr std::uint64_t kScreenshotBytes = 8U << 20;
+    auto folder = check_folder_writable(config.screenshot_dir, kScreenshotBytes, "screenshot_dir");
+    if (folder) return {};
+    if (config.screenshot_dir != ViewerConfig().screenshot_dir) return folder;
+    if (!config.headless) app::log::warn("no_screenshots reason=\"{}\"", folder.error().message);
+    return {};
+}
 
 std::filesystem::path OutputFiles::next_file(const std::string& extension) {
     return config_.screenshot_dir /

@@ -14,6 +14,11 @@
 
 namespace atrium::viewer {
 
+/// Checks, before a window opens, that the files of the configuration can be written, and makes
+/// their folders. Error kUnavailable. A default folder of screenshots that cannot be written is a
+/// warning: most runs make none.
+Expected<void> check_outputs(const ViewerConfig& config);
+
 /// Writes screenshots, videos and the last picture. Drawing thread only; the renderer's context
 /// must be current.
 class OutputFiles {

@@ -1,6 +1,6 @@
 #include "viewer/record/picture_file.hpp"
 
-#include "core/base/write_probe.hpp"
+#include "core/base/write_check.hpp"
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -33,7 +33,7 @@ Expected<void> prepare_file(const std::filesystem::path& file) {
             ErrorKind::kUnavailable,
             "cannot write " + file.string() + ": " + std::generic_category().message(errno));
     }
-    return probe_writing(file.string() + ".part");
+    return probe_file(file.string() + ".part");
 }
 
 Expected<void> write_png(const std::filesystem::path& file,

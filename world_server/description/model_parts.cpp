@@ -7,9 +7,9 @@
 
 namespace atrium::world_server {
 
-Expected<ModelParts> load_model_parts(const std::filesystem::path& file,
-                                      double scale,
-                                      physics::ObjectShape shape) {
+Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
+                                       double scale,
+                                       physics::ObjectShape shape) {
     const auto model = model::load_model(file, scale);
     if (!model) return tl::unexpected(model.error());
     std::vector<geometry::TriangleMesh> parts;
@@ -24,7 +24,9 @@ Expected<ModelParts> load_model_parts(const std::filesystem::path& file,
                               fmt::format("part '{}' has no volume", part.name));
         }
     }
-    return std::make_shared<const std::vector<geometry::TriangleMesh>>(std::move(parts));
+    return LoadedModel{
+        std::make_shared<const std::vector<geometry::TriangleMesh>>(std::move(parts)),
+        model::own_texture_of(*model)};
 }
 
 }  // namespace atrium::world_server

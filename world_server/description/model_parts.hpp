@@ -6,16 +6,22 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace atrium::world_server {
 
 using ModelParts = std::shared_ptr<const std::vector<geometry::TriangleMesh>>;
 
+struct LoadedModel {
+    ModelParts parts;         // hulls
+    std::string own_texture;  // picture that the file names; empty: none
+};
+
 /// Reads a model and creates its hulls: one around everything for a convex shape, one per part of
 /// the file for a compound. Errors name the file or the part.
-Expected<ModelParts> load_model_parts(const std::filesystem::path& file,
-                                      double scale,
-                                      physics::ObjectShape shape);
+Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
+                                       double scale,
+                                       physics::ObjectShape shape);
 
 }  // namespace atrium::world_server

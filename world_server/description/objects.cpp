@@ -3,6 +3,8 @@
 #include "world_server/description/model_parts.hpp"
 #include "world_server/description/shared_entries.hpp"
 
+#include <fmt/format.h>
+
 #include <map>
 #include <set>
 #include <string>
@@ -13,20 +15,21 @@ namespace {
 
 using physics::ObjectShape;
 // Hulls of the models in a world file: ten equal chairs share one set.
-using KnownParts = std::map<std::tuple<std::string, double, ObjectShape>, ModelParts>;
+using KnownModels = std::map<std::tuple<std::string, double, ObjectShape>, LoadedModel>;
 
-void read_model(config::TableReader& reader, WorldObject& object, KnownParts& known) {
+void read_model(config::TableReader& reader, WorldObject& object, KnownModels& known) {
     Look& look = object.look;
     physics::RigidObject& rigid = object.rigid;
     if (!read_model_name(reader, look.model, look.model_scale)) return;
-    ModelParts& parts = known[{look.model, look.model_scale, rigid.shape}];
-    if (!parts) {
+    LoadedModel& model = known[{look.model, look.model_scale, rigid.shape}];
+    if (!model.parts) {
         auto loaded = load_model_parts(reader.folder() / look.model, look.model_scale, rigid.shape);
-        if (!loaded) return reader.reject("model", loaded.error());
-        parts = std::move(*loaded);
+        if (!loaded) return reject_model(reader, loaded.error());
+        model = std::move(*loaded);
     }
-    rigid.parts = parts;
-    rigid.size_m = physics::extents_of(*parts);
+    look.own_texture = model.own_texture;
+    rigid.parts = model.parts;
+    rigid.size_m = physics::extents_of(*model.parts);
 }
 
 void read_size(config::TableReader& reader, physics::RigidObject& object) {
@@ -67,7 +70,7 @@ ObjectShape read_shape(config::TableReader& reader) {
 WorldObject read_object(config::TableReader& reader,
                         std::uint32_t id,
                         const Materials& materials,
-                        KnownParts& known) {
+                        KnownModels& known) {
     WorldObject object;
     physics::RigidObject& rigid = object.rigid;
     rigid.id = id;
@@ -105,7 +108,17 @@ WorldObject read_object(config::TableReader& reader,
         }
         if (key == "mass_kg" && !reader.has(key))
             key = reader.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
-        reader.reject(key, std::string(problem->allowed));
+        std::string allowed(problem->allowed);
+        if (key == "scale") {
+            const Eigen::Vector3d& s = rigid.size_m;
+            allowed += fmt::format(
+                "; the model is {:.3g} x {:.3g} x {:.3g} m (scale = 0.01 reads centimetres, 0.001 "
+                "millimetres)",
+                s.x(),
+                s.y(),
+                s.z());
+        }
+        reader.reject(key, allowed);
     }
     return object;
 }
@@ -115,7 +128,7 @@ WorldObject read_object(config::TableReader& reader,
 void read_objects(config::TableReader& reader,
                   const Materials& materials,
                   std::vector<WorldObject>& objects) {
-    KnownParts known;
+    KnownModels known;
     std::set<std::string> names;
     for (config::TableReader& table : reader.tables("object")) {
         const auto id = static_cast<std::uint32_t>(objects.size() + 1);

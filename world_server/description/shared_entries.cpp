@@ -2,6 +2,7 @@
 
 #include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
+#include "core/config/spelling.hpp"
 #include "core/model/model_file.hpp"
 
 #include <fmt/format.h>
@@ -22,6 +23,12 @@ bool is_picture_name(const std::filesystem::path& file) {
         return static_cast<char>(std::tolower(c));
     });
     return ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+}
+
+// " (did you mean models/chair.obj?)", or nothing.
+std::string meant_instead_of(const std::filesystem::path& missing) {
+    const std::string question = config::ask_which_path(missing.lexically_normal());
+    return question.empty() ? question : " (" + question + ")";
 }
 
 }  // namespace
@@ -51,9 +58,21 @@ void read_texture(config::TableReader& reader, std::string& texture) {
     if (!is_picture_name(file)) return reader.reject("texture", "must be a .png, .jpg or .jpeg");
     std::error_code failure;
     const std::filesystem::path path = reader.folder() / file;
-    if (!std::filesystem::is_regular_file(path, failure))
-        return reader.reject("texture", fmt::format("file {} does not exist", path.string()));
+    if (!std::filesystem::is_regular_file(path, failure)) {
+        return reader.reject(
+            "texture",
+            Error{ErrorKind::kNotFound,
+                  fmt::format("file {} does not exist{}", path.string(), meant_instead_of(path))});
+    }
     texture = file;
+}
+
+void reject_model(config::TableReader& reader, Error error) {
+    std::string file;
+    reader.read("model", file);
+    if (error.kind == ErrorKind::kNotFound)
+        error.message += meant_instead_of(reader.folder() / file);
+    reader.reject("model", error);
 }
 
 bool read_model_name(config::TableReader& reader, std::string& model, double& scale) {

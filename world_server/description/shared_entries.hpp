@@ -23,5 +23,7 @@ void read_texture(config::TableReader& reader, std::string& texture);
 /// Reads `model`, required, and `scale`: a model in the world file's folder. False if the name is
 /// not valid.
 bool read_model_name(config::TableReader& reader, std::string& model, double& scale);
+/// Rejects the file of `model`. If it does not exist, names a file that may be meant.
+void reject_model(config::TableReader& reader, Error error);
 
 }  // namespace atrium::world_server

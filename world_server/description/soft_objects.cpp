@@ -46,7 +46,8 @@ void read_model(config::TableReader& table, WorldSoftObject& soft) {
     const std::string& file = soft.model;
     if (!read_model_name(table, soft.model, soft.model_scale)) return;
     const auto parts = model::load_model(table.folder() / file, soft.model_scale);
-    if (!parts) return table.reject("model", parts.error());
+    if (!parts) return reject_model(table, parts.error());
+    soft.own_texture = model::own_texture_of(*parts);
     geometry::TriangleMesh mesh = weld(*parts);
     if (mesh.vertices.size() > physics::kMaxSoftNodes) {
         return table.reject("model",
@@ -113,8 +114,7 @@ void read_pins(config::TableReader& table,
         if (place == kPlaces.end()) {
             table.reject(key,
                          "must be one of top, bottom, left, right, top corners, corners (a cloth), "
-                         "start, end (a rope), got '" +
-                             name + "'");
+                         "start, end (a rope)");
             return;
         }
         object.pins.push_back({.place = place->second, .object_id = object_id});

@@ -21,6 +21,7 @@ struct WorldSoftObject {
     std::string texture = {};               // a picture; empty: none
     std::string model = {};                 // file of a model; empty: none
     double model_scale = 1.0;               // [m] per unit of the model
+    std::string own_texture = {};           // picture that the model's file names; not drawn
     physics::SoftObject object;
 };
 

@@ -28,7 +28,8 @@ void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     Look& look = scenery.look;
     if (!read_model_name(reader, look.model, look.model_scale)) return;
     const auto model = model::load_model(reader.folder() / look.model, look.model_scale);
-    if (!model) return reader.reject("model", model.error());
+    if (!model) return reject_model(reader, model.error());
+    look.own_texture = model::own_texture_of(*model);
     if (!scenery.is_solid) return;
     for (const model::ModelPart& part : *model)
         append(scenery.mesh, part.mesh, scenery.world_from_model);

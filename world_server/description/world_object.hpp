@@ -16,6 +16,7 @@ struct Look {
     double model_scale = 1.0;                                 // [m] per unit of the model
     std::string texture{};                                    // picture; empty: none
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
+    std::string own_texture{};  // picture that the model's file names; viewers do not draw it
 };
 
 /// An object as described in the world file. Ids are positions in the file, from 1. Parts of

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -47,6 +49,21 @@ TEST(Spelling, AsksWhichNameIsMeant) {
     EXPECT_EQ(ask_which({}), "");
     EXPECT_EQ(ask_which({"a"}), "did you mean a?");
     EXPECT_EQ(ask_which({"a", "b"}, "--"), "did you mean --a or --b?");
+}
+
+TEST(Spelling, AsksForTheFolderOrFileThatAPathMeans) {
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::path(testing::TempDir()) / "spelling_of_paths";
+    fs::create_directories(folder / "meshes");
+    std::ofstream(folder / "meshes" / "Chair.OBJ") << "v 0 0 0\n";
+    const std::string at = folder.string();
+    EXPECT_EQ(ask_which_path(folder / "mehses" / "hull.ply"), "did you mean " + at + "/meshes?");
+    EXPECT_EQ(ask_which_path(folder / "meshes" / "chair.obj"),
+              "did you mean " + at + "/meshes/Chair.OBJ?");
+    EXPECT_EQ(ask_which_path(folder / "elsewhere" / "hull.ply"), "");
+    EXPECT_EQ(ask_which_path(folder / "meshes" / "Chair.OBJ"), "") << "it exists";
+    EXPECT_EQ(ask_which_path({}), "");
+    fs::remove_all(folder);
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 namespace atrium::config {
 namespace {
 
@@ -101,6 +104,35 @@ TEST(TableReader, NamesAnUnknownTable) {
     const auto finished = reader.finish();
     ASSERT_FALSE(finished);
     EXPECT_THAT(finished.error().message, HasSubstr("hul: unknown key"));
+}
+
+TEST(TableReader, NamesAMisspeltTableBeforeWhatItsContentIsMissingFor) {
+    TableReader reader = reader_of("[[objects]]\nname = \"door\"\n[[joint]]\na = \"door\"\n");
+    EXPECT_TRUE(reader.tables("object").empty());
+    reader.tables("joint").front().reject("a", "must be the name of an object");
+    EXPECT_THAT(reader.finish().error().message,
+                AllOf(HasSubstr("objects: unknown key"), HasSubstr("did you mean object?")));
+    // an unknown table that resembles none explains nothing
+    TableReader other = reader_of("[elephant]\nname = 1\n[[joint]]\na = \"door\"\n");
+    other.tables("joint").front().reject("a", "must be the name of an object");
+    EXPECT_THAT(other.finish().error().message, HasSubstr("joint[0].a: must be the name"));
+}
+
+TEST(TableReader, TakesAnyErrorThatCallsAKeyMissingForAHintAtATypo) {
+    TableReader reader = reader_of("[box]\nmass_g = 2000\n");
+    reader.reject("box.mass_kg", "is missing: set it, or a material");
+    EXPECT_THAT(reader.finish().error().message,
+                AllOf(HasSubstr("box.mass_g: unknown key"), HasSubstr("did you mean mass_kg")));
+}
+
+TEST(TableReader, NamesAFileThatMayBeMeant) {
+    const std::filesystem::path folder =
+        std::filesystem::path(testing::TempDir()) / "table_reader_meant";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "lab.toml") << "a = 1\n";
+    EXPECT_THAT(TableReader::load(folder / "labb.toml").error().message,
+                HasSubstr("No such file or directory; did you mean " + folder.string()));
+    std::filesystem::remove_all(folder);
 }
 
 TEST(TableReader, NamesAllowedValuesForAWrongTypeOrRange) {

@@ -223,7 +223,11 @@ TEST_F(HullTool, ReportsAnUnwritableOutputFirst) {
     const auto report = run(options_);
     ASSERT_FALSE(report);
     EXPECT_EQ(report.error().kind, ErrorKind::kUnavailable);
-    EXPECT_THAT(report.error().message, HasSubstr("hull.ply: cannot be written"));
+    EXPECT_THAT(report.error().message,
+                HasSubstr("hull.ply: cannot create: No such file or directory"));
+    std::filesystem::create_directory(folder_ / "meshes");
+    options_.output = folder_ / "mehses" / "hull.ply";
+    EXPECT_THAT(run(options_).error().message, HasSubstr("meshes?"));
 }
 
 TEST_F(HullTool, KeepsTheOldOutputWithoutAHull) {

@@ -128,6 +128,7 @@ TEST_F(LoopCache, RoundTripIsExact) {
     const CachedLoop rendered = get();
     EXPECT_FALSE(rendered.from_cache);
     EXPECT_FALSE(rendered.cache_problem);
+    EXPECT_TRUE(std::filesystem::exists(rendered.written));
     const CachedLoop loaded = get();
     EXPECT_TRUE(loaded.from_cache);
     EXPECT_TRUE(same(rendered.loop, loaded.loop));

@@ -46,13 +46,14 @@ TEST(Bottlenecks, AreEmptyIfAProgramKeepsUp) {
 }
 
 TEST(Bottlenecks, BlameTheMachineIfAThreadWaitsForACore) {
-    EXPECT_THAT(of_second_2(0, 0.25),
-                ElementsAre(Bottleneck{Cause::kMachine,
-                                       "machine too slow: waited 25 % of the time for a core"}));
+    EXPECT_THAT(
+        of_second_2(0, 0.25),
+        ElementsAre(Bottleneck{Cause::kMachine,
+                               "machine too slow: one thread waited 25 % of the time for a core"}));
     EXPECT_THAT(of_second_2(5, 0.43),
                 ElementsAre(Bottleneck{Cause::kMachine,
-                                       "machine too slow: waited 43 % of the time for a core; 5 of "
-                                       "30 metaframes came too late for work"}));
+                                       "machine too slow: one thread waited 43 % of the time for a "
+                                       "core; 5 of 30 metaframes came too late for work"}));
 }
 
 TEST(Bottlenecks, BlameTheWorkIfCoresAreFree) {
@@ -81,10 +82,27 @@ TEST(Bottlenecks, BlameNoWorkIfTheProgramStoodStill) {
     now.processor.run_per_s = 0.05;
     EXPECT_THAT(bottlenecks(figures_of(before), figures_of(now)),
                 ElementsAre(Bottleneck{Cause::kStoodStill,
-                                       "the program stood still: 3113 of 3236 steps were skipped, "
-                                       "with 0.05 cores in use"}));
+                                       "the program stood still: 3113 of 3236 steps were skipped; "
+                                       "it used 0.05 cores and waited 1 % of the time for one"}));
     now.processor.longest_wait_per_s = 0.9;
     EXPECT_EQ(bottlenecks(figures_of(before), figures_of(now))[0].cause, Cause::kMachine);
+}
+
+TEST(Bottlenecks, FindTheWaitOfALossInTheReportBefore) {
+    bus::WorldStatus before;
+    bus::WorldStatus now;
+    now.num_steps = 110;
+    now.num_skipped_ticks = 10;
+    before.processor = waiting(0.3);
+    now.processor = waiting(0.01);
+    now.processor.run_per_s = 0.2;
+    EXPECT_THAT(bottlenecks(figures_of(before), figures_of(now)),
+                ElementsAre(Bottleneck{Cause::kMachine,
+                                       "machine too slow: one thread waited 30 % of the time for a "
+                                       "core; 10 of 120 steps were skipped"}));
+    now.num_skipped_ticks = 0;
+    EXPECT_THAT(bottlenecks(figures_of(before), figures_of(now)), IsEmpty())
+        << "a wait that is over and cost nothing";
 }
 
 TEST(Bottlenecks, BlameNeitherIfTheKernelDoesNotCount) {
@@ -121,9 +139,10 @@ TEST(Bottlenecks, DoNotBlameTheNetworkForLossesOfAStarvedViewer) {
                 ElementsAre(Bottleneck{Cause::kNetwork,
                                        "network loses data: 10 of 30 pairs arrived incomplete"}));
     now.processor = waiting(0.6);
-    EXPECT_THAT(bottlenecks(figures_of(before), figures_of(now)),
-                ElementsAre(Bottleneck{Cause::kMachine,
-                                       "machine too slow: waited 60 % of the time for a core"}));
+    EXPECT_THAT(
+        bottlenecks(figures_of(before), figures_of(now)),
+        ElementsAre(Bottleneck{Cause::kMachine,
+                               "machine too slow: one thread waited 60 % of the time for a core"}));
 }
 
 TEST(Bottlenecks, IgnoreCountersOfARestartedProgram) {
@@ -134,21 +153,49 @@ TEST(Bottlenecks, IgnoreCountersOfARestartedProgram) {
 }
 
 TEST(OverloadLog, WarnsAtOnceAndThenEveryFiveSeconds) {
-    OverloadLog log(bus::ProgramKind::kSiteNode);
+    OverloadLog log(bus::ProgramKind::kSiteNode, {}, 1);
     const auto look = [&](int second, double longest_wait_per_s) {
         return log.look(figures_of(site_after(second, 0, longest_wait_per_s)),
                         kStart + seconds(second));
     };
     EXPECT_EQ(look(0, 0.1), std::nullopt);
     EXPECT_THAT(look(1, 0.5),
-                Optional(std::string("machine_too_slow reason=\"machine too slow: waited 50 % of "
-                                     "the time for a core\" cores=0.81 waited_per_s=1.50 "
-                                     "advice=\"run fewer programs on this host, lower "
-                                     "capture.rate_hz, or use fewer or smaller pictures\"")));
+                Optional(std::string(
+                    "machine_too_slow reason=\"machine too slow: one thread waited 50 % of "
+                    "the time for a core\" cores=0.81 host_cores=1 "
+                    "advice=\"run fewer programs on this host, lower "
+                    "capture.rate_hz, or use fewer or smaller pictures\"")));
     for (int second = 2; second < 6; ++second) EXPECT_EQ(look(second, 0.5), std::nullopt);
     EXPECT_NE(look(6, 0.5), std::nullopt);
     EXPECT_EQ(look(12, 0.1), std::nullopt);
     EXPECT_NE(look(13, 0.3), std::nullopt) << "at once";
+}
+
+TEST(OverloadLog, NamesAnotherCauseAtOnce) {
+    OverloadLog log(bus::ProgramKind::kWorldServer, {}, 1);
+    bus::WorldStatus status;
+    status.processor = waiting(0.3);
+    EXPECT_THAT(log.look(figures_of(status), kStart), Optional(HasSubstr("machine_too_slow")));
+    status.processor = waiting(0.0);
+    status.processor.run_per_s = 0.1;
+    EXPECT_EQ(log.look(figures_of(status), kStart + seconds(1)), std::nullopt);
+    status.num_skipped_ticks = 480;
+    EXPECT_THAT(log.look(figures_of(status), kStart + seconds(2)),
+                Optional(HasSubstr("stood_still")));
+    status.num_skipped_ticks = 960;
+    EXPECT_EQ(log.look(figures_of(status), kStart + seconds(3)), std::nullopt);
+}
+
+TEST(OverloadLog, BlamesOtherProgramsThatUseMostOfTheHost) {
+    OverloadLog log(bus::ProgramKind::kWorldServer, {}, 4);
+    bus::WorldStatus status;
+    status.processor = waiting(0.9);  // and runs on 0.81 cores of 4
+    const auto line = log.look(figures_of(status), kStart);
+    ASSERT_TRUE(line);
+    EXPECT_THAT(*line, HasSubstr("advice=\"other programs use most of this host's cores"));
+    EXPECT_THAT(*line, Not(HasSubstr("tick_hz"))) << "a slower world would wait just as long";
+    status.processor.run_per_s = 3.2;
+    EXPECT_THAT(*log.look(figures_of(status), kStart + seconds(9)), HasSubstr("world.tick_hz"));
 }
 
 TEST(OverloadLog, IgnoresNetworkLosses) {
@@ -161,12 +208,13 @@ TEST(OverloadLog, IgnoresNetworkLosses) {
 }
 
 TEST(Advice, NamesOptionsOfTheProgram) {
-    EXPECT_THAT(advice(Cause::kMachine, bus::ProgramKind::kViewer), HasSubstr("view.width"));
-    EXPECT_THAT(advice(Cause::kWork, bus::ProgramKind::kSiteNode), HasSubstr("site.threads"));
-    EXPECT_THAT(advice(Cause::kMachine, bus::ProgramKind::kSiteNode),
+    EXPECT_THAT(advice(Cause::kMachine, bus::ProgramKind::kViewer, 0.9), HasSubstr("view.width"));
+    EXPECT_THAT(advice(Cause::kWork, bus::ProgramKind::kSiteNode, 0.9), HasSubstr("site.threads"));
+    EXPECT_THAT(advice(Cause::kMachine, bus::ProgramKind::kSiteNode, 0.9),
                 Not(HasSubstr("site.threads")))
         << "more threads would have to wait too";
-    EXPECT_THAT(advice(Cause::kWork, bus::ProgramKind::kWorldServer), HasSubstr("world.tick_hz"));
+    EXPECT_THAT(advice(Cause::kWork, bus::ProgramKind::kWorldServer, 0.9),
+                HasSubstr("world.tick_hz"));
 }
 
 TEST(ProcessFields, ReportAKernelThatDoesNotCount) {

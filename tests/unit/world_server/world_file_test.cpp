@@ -140,6 +140,7 @@ TEST_F(WorldFile, ErrorsNameFileLineKeyAndWhatIsAllowed) {
         std::vector<std::string> named;
     } cases[] = {
         {model("convex", "models/none.obj"), {"world.toml:4", "model", "none.obj", "no such file"}},
+        {model("convex", "models/Cornre.obj"), {"no such file (did you mean", "corner.obj?)"}},
         {model("convex", "models/damaged.obj"), {"world.toml:4", "model", "damaged.obj"}},
         {model("convex", "models/cut.glb"), {"world.toml:4", "model", "cut.glb"}},
         {model("convex", "models/far.obj"), {"world.toml:4", "far.obj"}},
@@ -147,7 +148,8 @@ TEST_F(WorldFile, ErrorsNameFileLineKeyAndWhatIsAllowed) {
         {model("convex", "../corner.obj"), {"world.toml:4", "model", "folder"}},
         {model("convex", "/etc/passwd"), {"world.toml:4", "model", "folder"}},
         {model("convex", "models/paint.png"), {"world.toml:4", "model", ".obj"}},
-        {model("compound", "models/two.obj") + "scale = 500\n", {"world.toml:6", "scale"}},
+        {model("compound", "models/two.obj") + "scale = 500\n",
+         {"world.toml:6", "scale", "the model is 650 x 150 x 150 m"}},
         {"[[object]]\nname = \"a\"\nshape = \"convex\"\nmass_kg = 1\n", {"model", "missing"}},
         {kCorner, {"world.toml:1", "mass_kg", "density_kg_per_m3", "material"}},
         {kCorner + "mass_kg = 1\ndensity_kg_per_m3 = 100\n", {"world.toml:6", "density_kg_per_m3"}},
@@ -155,7 +157,8 @@ TEST_F(WorldFile, ErrorsNameFileLineKeyAndWhatIsAllowed) {
         {kBall + "texture = \"models/none.png\"\n", {"world.toml:6", "texture", "none.png"}},
         {kBall + "texture = \"models/corner.obj\"\n", {"world.toml:6", "texture", ".png"}},
         {"[[material]]\nname = \"m\"\nfiction = 1\n", {"world.toml:3", "fiction", "friction"}},
-        {joint("axis = [0, 0, 1]\nb = \"bell\"\n"), {"world.toml:11", "b", "object"}},
+        {joint("axis = [0, 0, 1]\nb = \"bell\"\n"),
+         {"world.toml:11", "b", "object", "did you mean ball?"}},
         {joint("axis = [0, 0, 1]\nlimits_deg = [10, 50]\n"),
          {"world.toml:11", "limits_deg", "180"}},
         {joint("axis = [0, 0, 0]\n"), {"world.toml:10", "axis"}},
@@ -169,7 +172,8 @@ TEST_F(WorldFile, ErrorsNameFileLineKeyAndWhatIsAllowed) {
         {"[bounds]\nmin_m = [0, 0, 0]\nmax_m = [0, 1, 1]\n", {"world.toml:3", "max_m"}},
         {"[bounds]\nmin_m = [0, 0, 0]\nmax_m = [1, 1, 1]\nleave = \"explode\"\n",
          {"world.toml:4", "leave", "bounce"}},
-        {kBall + "[bounds]\nmin_m = [1, 1, 1]\nmax_m = [2, 2, 2]\n", {"ball", "inside"}},
+        {kBall + "[bounds]\nmin_m = [1, 1, 1]\nmax_m = [2, 2, 2]\n",
+         {"ball", "inside", "[1, 1, 1] to [2, 2, 2] m; it is at ["}},
         {"[[soft]]\nname = \"far\"\nshape = \"ball\"\ndiameter_m = 0.3\nmass_kg = 1.0\n"
          "position_m = [50, 0, 1]\n",
          {"far", "inside"}},

@@ -73,9 +73,6 @@ std::optional<ObjectProblem> find_number_problem(const RigidObject& object) {
     if (!(std::abs(pose.rotation.norm() - 1.0) <= 1e-3)) {
         return ObjectProblem{"rotation", "must be a quaternion of length 1"};
     }
-    if (!(object.mass_kg >= 0.0 && object.mass_kg <= kMaxMassKg)) {
-        return ObjectProblem{"mass_kg", "must be 0 kg to 10000 kg"};
-    }
     if (!(object.friction >= 0.0 && object.friction <= 10.0)) {
         return ObjectProblem{"friction", "must be 0 to 10"};
     }
@@ -124,7 +121,10 @@ double volume_m3(const RigidObject& object) {
 
 std::optional<ObjectProblem> find_problem(const RigidObject& object) {
     if (const auto problem = find_number_problem(object)) return problem;
+    // before the mass, which may follow from the size
     if (const auto problem = find_size_problem(object)) return problem;
+    if (!(object.mass_kg >= 0.0 && object.mass_kg <= kMaxMassKg))
+        return ObjectProblem{"mass_kg", "must be 0 kg to 10000 kg"};
     if (object.mass_kg == 0.0) return std::nullopt;
     if (object.shape == ObjectShape::kPlane)
         return ObjectProblem{"mass_kg", "must be 0 for a plane"};

@@ -28,6 +28,8 @@ std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
         if (!report.manifold || !(report.volume_m3 > 0.0)) {
             return ObjectProblem{"model", "must be closed, without holes, and face outwards"};
         }
+        if (report.num_components != 1)
+            return ObjectProblem{"model", "must be one closed surface, not several"};
         if ((geometry::bounds(object.model).size().array() < kMinSizeM).any()) {
             return ObjectProblem{"scale", "must make the model at least 0.01 m along each axis"};
         }

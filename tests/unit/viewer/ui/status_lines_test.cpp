@@ -111,7 +111,7 @@ TEST(StatusLines, DistinguishASlowMachineFromASlowNetwork) {
         texts(lines.warnings()),
         testing::ElementsAre(
             "site alice: network too slow to wall: 15 of 30 metaframes left out for 4.2 Mbit/s",
-            "this viewer: machine too slow: waited 50 % of the time for a core"));
+            "this viewer: machine too slow: one thread waited 50 % of the time for a core"));
 }
 
 TEST(StatusLines, ShowTheWorldServerAndItsRefusals) {

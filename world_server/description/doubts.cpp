@@ -1,0 +1,99 @@
+#include "world_server/description/doubts.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+
+namespace atrium::world_server {
+namespace {
+
+// Twice this is a soft thing of a few triangles, which bends only at its corners.
+constexpr double kLargeSoftEdge_m = 0.25;
+
+void doubt_textures(const WorldDescription& world, std::vector<std::string>& lines) {
+    std::map<std::string, std::string> undrawn;  // by model
+    const auto look_at = [&](const std::string& model, const std::string& own, bool has_texture) {
+        if (!own.empty() && !has_texture) undrawn[model] = own;
+    };
+    for (const WorldObject& object : world.objects)
+        look_at(object.look.model, object.look.own_texture, !object.look.texture.empty());
+    for (const WorldScenery& scenery : world.scenery)
+        look_at(scenery.look.model, scenery.look.own_texture, !scenery.look.texture.empty());
+    for (const WorldSoftObject& soft : world.soft)
+        look_at(soft.model, soft.own_texture, !soft.texture.empty());
+    for (const auto& [model, own] : undrawn) {
+        lines.push_back(
+            fmt::format("texture_not_drawn model={} names=\"{}\" advice=\"textures of model files "
+                        "are not drawn: name the picture with the key texture in the world file\"",
+                        model,
+                        own.starts_with('*') ? "a picture inside the file" : own));
+    }
+}
+
+std::string name_of(const WorldDescription& world, std::uint32_t id) {
+    const auto found = std::ranges::find(
+        world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
+    return found == world.objects.end() ? "world" : found->name;
+}
+
+void doubt_joints(const WorldDescription& world, std::vector<std::string>& lines) {
+    const geometry::Aabb box = box_of(world.world);
+    const auto look_at =
+        [&](const physics::Joint& joint, const char* key, const Eigen::Vector3d& place_m) {
+            if (box.contains(place_m)) return;
+            lines.push_back(fmt::format(
+                "joint_looks_wrong a={} b={} reason=\"{} [{}] is outside the world's bounds; "
+                "places are metres in the world\"",
+                name_of(world, joint.a),
+                name_of(world, joint.b),
+                key,
+                fmt::join(place_m, ", ")));
+        };
+    for (const physics::Joint& joint : world.joints) {
+        look_at(joint, "anchor_m", joint.anchor_m);
+        if (joint.kind == physics::JointKind::kSpring)
+            look_at(joint, "anchor_b_m", joint.anchor_b_m);
+        const bool is_slider = joint.kind == physics::JointKind::kSlider && joint.limits;
+        if (!is_slider || joint.limits->at(1) - joint.limits->at(0) <= box.size().norm()) continue;
+        lines.push_back(fmt::format(
+            "joint_looks_wrong a={} b={} reason=\"limits_m [{}] are further apart than the ends of "
+            "the world; they are metres\"",
+            name_of(world, joint.a),
+            name_of(world, joint.b),
+            fmt::join(*joint.limits, ", ")));
+    }
+}
+
+void doubt_soft_models(const WorldDescription& world, std::vector<std::string>& lines) {
+    for (const WorldSoftObject& soft : world.soft) {
+        const geometry::TriangleMesh& mesh = soft.object.model;
+        double sum_m = 0.0;
+        for (const auto& t : mesh.triangles) {
+            for (std::size_t i = 0; i < 3; ++i)
+                sum_m += (mesh.vertices[t[i]] - mesh.vertices[t[(i + 1) % 3]]).norm();
+        }
+        const double mean_m =
+            sum_m / std::max(1.0, 3.0 * static_cast<double>(mesh.triangles.size()));
+        if (mean_m <= kLargeSoftEdge_m) continue;
+        lines.push_back(fmt::format(
+            "soft_looks_wrong name={} model={} reason=\"the edges of its triangles are {:.2g} m "
+            "long, so it can hardly bend; divide them to about 0.05 m\"",
+            soft.name,
+            soft.model,
+            mean_m));
+    }
+}
+
+}  // namespace
+
+std::vector<std::string> doubts_about(const WorldDescription& world) {
+    std::vector<std::string> lines;
+    doubt_textures(world, lines);
+    doubt_joints(world, lines);
+    doubt_soft_models(world, lines);
+    return lines;
+}
+
+}  // namespace atrium::world_server

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "world_server/description/world_description.hpp"
+
+#include <string>
+#include <vector>
+
+namespace atrium::world_server {
+
+/// Lists what is valid in a world file but probably meant otherwise, one log line each: textures of
+/// model files, which viewers do not draw; joints far outside the world; soft models with few large
+/// triangles.
+std::vector<std::string> doubts_about(const WorldDescription& world);
+
+}  // namespace atrium::world_server
