@@ -95,18 +95,24 @@ void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
             "The world server has no folder of saved worlds (its option world.saved_folder).");
     if (begin_list("##worlds")) {
         for (const bus::SavedWorld& world : worlds->worlds) {
-            const std::string line = world.name + "   " + std::to_string(world.num_objects) +
-                                     " objects, " + time_text(world.time);
-            if (!ImGui::Selectable(line.c_str(), world.name == world_)) continue;
+            if (!ImGui::Selectable(world.name.c_str(), world.name == world_)) continue;
             world_ = world.name;
             asks_load_ = false;
             std::snprintf(world_name_.data(), world_name_.size(), "%s", world_.c_str());
         }
         ImGui::EndListBox();
     }
+    // below the list: beside the name it would be cut
+    const auto chosen = std::find_if(worlds->worlds.begin(),
+                                     worlds->worlds.end(),
+                                     [&](const auto& w) { return w.name == world_; });
+    if (chosen != worlds->worlds.end())
+        ImGui::TextWrapped("%zu objects, saved %s",
+                           static_cast<std::size_t>(chosen->num_objects),
+                           time_text(chosen->time).c_str());
     ImGui::BeginDisabled(world_.empty());
     // loading replaces what everybody sees
-    const char* title = asks_load_ ? "really replace the world for everybody" : "load this world";
+    const char* title = asks_load_ ? "replace everybody's world?" : "load this world";
     if (ImGui::Button((std::string(title) + "###load").c_str(), {-1.0f, 0.0f})) {
         if (asks_load_) events.edit.load_world = world_;
         asks_load_ = !asks_load_;
