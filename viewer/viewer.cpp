@@ -175,6 +175,9 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
         notify_user(output_files.screenshot(renderer));
         if (auto applied = drawing->apply(); !applied) return applied;
     }
+    if (events.reset_scene)
+        show_notice(statistics.servers().are_there ? "asked to reset all objects"
+                                                   : "not reset: no world server is running");
     if (events.debug) picture.annotations->toggle_debug();
     if (events.names) picture.annotations->toggle_names();
     if (events.stream) notify_user(output_files.toggle_stream(renderer));

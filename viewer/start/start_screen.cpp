@@ -82,7 +82,7 @@ StartScreen::StartScreen(bus::BusOptions options, std::string notice)
 
 void StartScreen::choose_by_key(const std::vector<WorldEntry>& worlds) {
     if (ImGui::GetIO().WantTextInput) return;
-    if (is_pressed(ImGuiKey_Escape)) is_left_ = true;
+    if (is_pressed(ImGuiKey_Escape) && !close_popup()) is_left_ = true;
     if (worlds.empty()) return;
     const auto found = std::ranges::find_if(
         worlds, [&](const WorldEntry& world) { return id_of(world.options) == chosen_; });

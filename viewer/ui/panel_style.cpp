@@ -31,6 +31,13 @@ void place_below(float left) {
     ImGui::SetNextWindowPos(at, ImGuiCond_Always, {0.0f, 1.0f});
 }
 
+bool close_popup() {
+    constexpr int kAny = ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel;
+    if (!ImGui::IsPopupOpen("", kAny)) return false;
+    ImGui::SetWindowFocus(nullptr);  // closes all
+    return true;
+}
+
 void begin_panel(const char* name, Corner corner, double share, bool takes_input) {
     place_in(corner);
     begin_placed_panel(name, share, takes_input);

@@ -17,6 +17,9 @@ void place_in(Corner corner);
 /// Places the next ImGui window at the lower edge of the picture, to the right of `left` [px].
 void place_below(float left);
 
+/// Closes the colour picker or list that is open over the panels. Returns whether there was one.
+bool close_popup();
+
 /// Begins a panel at the place that was set, see place_below.
 void begin_placed_panel(const char* name, double share, bool takes_input = true);
 

@@ -5,6 +5,7 @@
 #include "viewer/ui/hud.hpp"
 #include "viewer/ui/keys.hpp"
 #include "viewer/ui/menu.hpp"
+#include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/site_panel.hpp"
 #include "viewer/ui/surface.hpp"
 #include "viewer/ui/tapped_keys.hpp"
@@ -233,6 +234,7 @@ private:
             events_.edit.cancel = true;
             return;
         }
+        if (close_popup()) return;
         for (bool* is_shown :
              {&are_keys_shown_, &is_menu_shown_, &are_views_shown_, &are_sites_shown_})
             if (std::exchange(*is_shown, false)) return;

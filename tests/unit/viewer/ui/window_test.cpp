@@ -4,7 +4,6 @@
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/ui/surface.hpp"
 
-// without a GL header of its own
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
@@ -190,7 +189,6 @@ TEST_F(ViewerWindow, SeesTapsAndClicksBetweenTwoPictures) {
         window_->poll();
         window_->show_layout([&] { is_seen |= ImGui::IsKeyPressed(GLFW_KEY_ENTER, false); });
     };
-    look();
     display_->press(kTitle, "Return");
     EXPECT_TRUE(comes_true([&] {
         look();
@@ -357,11 +355,22 @@ TEST_F(ViewerWindow, PanelOfTheSelectedObjectChangesItOnceAndEscapeDeselects) {
         return changed;
     };
     std::optional<bus::SceneObject> changed;
-    for (int y = 90; y < 340 && !changed; y += 8) changed = fixed_by_click(y);
+    int y = 90;
+    for (; y < 340 && !changed; y += 8) changed = fixed_by_click(y);
     ASSERT_TRUE(changed);
     EXPECT_EQ(changed->object, 7U);
     EXPECT_EQ(changed->mass_kg, 0.0);
     EXPECT_EQ(changed->size_m, Eigen::Vector3d(0.3, 0.2, 0.1)) << "bit for bit";
+    const auto has_picker = [] {
+        return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
+    };
+    for (; y < 340 && !has_picker(); y += 8) fixed_by_click(y);
+    ASSERT_TRUE(has_picker()) << "of the colour";
+    display_->press_escape(kTitle);
+    EXPECT_TRUE(comes_true([&] {
+        EXPECT_FALSE(draw().edit.cancel) << "the object stays selected";
+        return !has_picker();
+    }));
     display_->press_escape(kTitle);
     EXPECT_TRUE(comes_true([&] {
         const SurfaceEvents events = draw();
