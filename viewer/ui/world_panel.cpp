@@ -1,5 +1,6 @@
 #include "viewer/ui/edit_panel.hpp"
 #include "viewer/ui/fields.hpp"
+#include "viewer/ui/ui_scale.hpp"
 
 #include <imgui.h>
 
@@ -12,6 +13,7 @@ namespace atrium::viewer {
 namespace {
 
 constexpr float kListLines = 6.0f;
+constexpr double kPreviewPixel_px = 1.25;  // at scale 1
 
 std::string lower(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
@@ -33,10 +35,32 @@ bool begin_list(const char* name) {
     return ImGui::BeginListBox(name, {-1.0f, kListLines * ImGui::GetTextLineHeightWithSpacing()});
 }
 
+// Draws rows of equal greys as bars: a picture this small needs no texture.
+void draw_preview_picture(const ModelPreview& preview) {
+    if (preview.greys.empty()) return;
+    const float pixel = ui_px(kPreviewPixel_px);
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    for (int y = 0; y < ModelPreview::kHeight; ++y) {
+        const auto* row = &preview.greys[static_cast<std::size_t>(y * ModelPreview::kWidth)];
+        for (int x = 0; x < ModelPreview::kWidth;) {
+            const int from = x;
+            while (x < ModelPreview::kWidth && row[x] == row[from]) ++x;
+            if (row[from] == ModelPreview::kBackground) continue;
+            list.AddRectFilled(
+                {at.x + pixel * static_cast<float>(from), at.y + pixel * static_cast<float>(y)},
+                {at.x + pixel * static_cast<float>(x), at.y + pixel * static_cast<float>(y + 1)},
+                IM_COL32(row[from], row[from], row[from], 255));
+        }
+    }
+    ImGui::Dummy({pixel * ModelPreview::kWidth, pixel * ModelPreview::kHeight});
+}
+
 void draw_size(const ModelSize* size, double scale) {
     if (size == nullptr) return ImGui::TextUnformatted("reading the model ...");
     if (!size->error.empty()) return ImGui::TextWrapped("%s", size->error.c_str());
     const Eigen::Vector3d scaled = scale * size->size_m;
+    draw_preview_picture(size->preview);
     ImGui::TextWrapped("%.2f x %.2f x %.2f m, %zu triangles, %zu parts",
                        scaled.x(),
                        scaled.y(),
