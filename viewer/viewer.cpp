@@ -83,6 +83,7 @@ struct Viewer::Impl {
     Expected<void> react(const SurfaceEvents& events);
     void send(const UserControl::Commands& commands);
     void notify_user(const std::string& notice);  // shows it on screen and logs it
+    void show_notice(const std::string& notice);
     void draw(Clock::time_point begin);
     UserControl::Shown shown() const;
     void take_edit_news(Clock::time_point now);
@@ -117,6 +118,10 @@ Expected<void> Viewer::Impl::close() {
 
 void Viewer::Impl::notify_user(const std::string& notice) {
     app::log::info("{}", notice);
+    show_notice(notice);
+}
+
+void Viewer::Impl::show_notice(const std::string& notice) {
     hud.notice = notice;
     notice_until = Clock::now() + kNoticePeriod;
 }
@@ -170,6 +175,9 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
         notify_user(output_files.screenshot(renderer));
         if (auto applied = drawing->apply(); !applied) return applied;
     }
+    if (events.reset_scene)
+        show_notice(statistics.servers().are_there ? "asked to reset all objects"
+                                                   : "not reset: no world server is running");
     if (events.debug) picture.annotations->toggle_debug();
     if (events.names) picture.annotations->toggle_names();
     if (events.stream) notify_user(output_files.toggle_stream(renderer));
@@ -203,6 +211,8 @@ void Viewer::Impl::list_viewpoints() {
 void Viewer::Impl::fill_hud(Clock::time_point now) {
     statistics.watch_world(now, *session, hud);
     mark_selected(sites, hud.sites);
+    hud.inside = control.inside();
+    hud.followed = control.followed();
     if (std::exchange(listed_revision, picture.scene.revision()) != picture.scene.revision()) {
         hud.objects.clear();
         for (const auto& [id, object] : picture.scene.objects())
@@ -244,8 +254,10 @@ Expected<void> Viewer::Impl::adapt_quality(Clock::duration busy, Clock::time_poi
 
 void Viewer::Impl::update_status(Clock::time_point now) {
     hud.num_video_dropped = output_files.num_dropped();
+    const std::vector<SiteLine> before = hud.sites;
     statistics.update(
         now, *session, picture.people, picture.scene.site_names(), drawing->quality(), hud);
+    if (const std::string left = text_of_left(before, hud.sites); !left.empty()) show_notice(left);
 }
 
 Expected<void> Viewer::Impl::loop(std::stop_token stop) {

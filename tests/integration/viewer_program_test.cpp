@@ -66,7 +66,7 @@ protected:
     }
     void TearDown() override {
         if (program_.valid()) {
-            display_->press_escape(kTitle);
+            press_escape_twice();
             program_.wait();
         }
         fs::remove_all(folder_);
@@ -144,8 +144,12 @@ protected:
         return colour && *colour == VirtualDisplay::Colour{bgr[2], bgr[1], bgr[0]};
     }
     Outcome close() {
-        display_->press_escape(kTitle);
+        press_escape_twice();
         return program_.get();
+    }
+    // once asks, twice closes
+    void press_escape_twice() {
+        for (int i = 0; i < 2; ++i) display_->press_escape(kTitle);
     }
 
     const fs::path folder_ =

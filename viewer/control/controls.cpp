@@ -17,6 +17,17 @@ constexpr double kFlySpeedMPerS = 1.8;
 constexpr double kWalkSpeedMPerS = 1.4;
 constexpr double kEyesM = 1.65;       // eye height while walking
 constexpr double kPanPerPx = 0.0015;  // share of the distance to the target
+constexpr double kLowestM = 0.05;     // lowest eye that orbits and zooms above the floor
+
+// Tilts an arm from a target to an eye so that the eye stays above the floor.
+Eigen::Vector3d above_floor(const Eigen::Vector3d& arm, double target_z_m) {
+    const double length = arm.norm();
+    const double least_rise_m = std::min(kLowestM - target_z_m, 0.99 * length);
+    if (arm.z() >= least_rise_m) return arm;
+    const double flat_m = std::sqrt(length * length - least_rise_m * least_rise_m);
+    const Eigen::Vector2d flat = flat_m * arm.head<2>().normalized();
+    return {flat.x(), flat.y(), least_rise_m};
+}
 
 Eigen::Vector3d turned(const Eigen::Vector3d& arm, const Eigen::Vector2d& turn_px) {
     const double length = arm.norm();
@@ -47,6 +58,9 @@ renderer::ViewCamera walked(const Motion& motion, renderer::ViewCamera camera) {
 
 renderer::ViewCamera apply(const Motion& motion, const renderer::ViewCamera& camera) {
     renderer::ViewCamera moved = camera;
+    // an eye that flew below the floor, or looks at something there, may stay there
+    const bool stays_above =
+        !motion.look_around && camera.position_m.z() >= kLowestM && camera.target_m.z() >= kLowestM;
     const Eigen::Vector3d arm = camera.position_m - camera.target_m;
     if (motion.look_around || motion.walk)
         moved.target_m = moved.position_m - turned(arm, motion.turn_px);
@@ -54,10 +68,12 @@ renderer::ViewCamera apply(const Motion& motion, const renderer::ViewCamera& cam
         moved.position_m = moved.target_m + turned(arm, motion.turn_px);
 
     if (motion.walk) return walked(motion, moved);
-    const Eigen::Vector3d to_eye = moved.position_m - moved.target_m;
+    Eigen::Vector3d to_eye = moved.position_m - moved.target_m;
     const double distance = std::clamp(
         to_eye.norm() * std::pow(kZoomPerStep, motion.zoom_steps), kMinDistanceM, kMaxDistanceM);
-    moved.position_m = moved.target_m + distance * to_eye.normalized();
+    to_eye = distance * to_eye.normalized();
+    if (stays_above) to_eye = above_floor(to_eye, moved.target_m.z());
+    moved.position_m = moved.target_m + to_eye;
 
     const Eigen::Vector3d forward = -to_eye.normalized();
     const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();

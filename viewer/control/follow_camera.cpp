@@ -12,6 +12,18 @@ namespace {
 constexpr float kHeadM = 0.25F;
 constexpr double kSoftS = 0.12;  // smooths the flicker of a hull's top
 
+// From those eyes to the eyes of the nearest other person. Empty: there is no other.
+std::optional<Eigen::Vector3d> way_to_nearest(const std::string& from_name,
+                                              const Eigen::Vector3d& from,
+                                              const FollowCamera::Places& places) {
+    std::optional<Eigen::Vector3d> nearest;
+    for (const auto& [name, place] : places) {
+        const Eigen::Vector3d way = place.eyes - from;
+        if (name != from_name && (!nearest || way.norm() < nearest->norm())) nearest = way;
+    }
+    return nearest;
+}
+
 }  // namespace
 
 PersonPlace place_of(std::span<const Eigen::Vector3f> vertices) {
@@ -83,8 +95,9 @@ renderer::ViewCamera FollowCamera::update(renderer::ViewCamera camera,
     const Eigen::Vector3d wanted = is_inside_ ? found->second.eyes : found->second.middle;
     if (!at_ && is_inside_) {
         if (!before_) before_ = camera;
-        // look horizontally, in the camera's former direction
-        Eigen::Vector3d ahead = camera.target_m - camera.position_m;
+        // look horizontally
+        Eigen::Vector3d ahead =
+            way_to_nearest(name_, wanted, places).value_or(camera.target_m - camera.position_m);
         ahead.z() = 0.0;
         if (ahead.norm() < 1e-6) ahead = Eigen::Vector3d::UnitY();
         camera.position_m = wanted;

@@ -26,7 +26,8 @@ struct PersonPlace {
 PersonPlace place_of(std::span<const Eigen::Vector3f> vertices);
 
 /// Moves the viewpoint with a person: follows the person, or looks through the person's eyes. A
-/// hull does not show where the person looks, so the mouse chooses the direction.
+/// hull does not show where the person looks, so the view begins towards the nearest other person,
+/// and the mouse chooses the direction.
 class FollowCamera {
 public:
     using Clock = std::chrono::steady_clock;
@@ -38,6 +39,10 @@ public:
     /// same number again, or a number without a person, leaves the person: the next `update`
     /// returns to the viewpoint before the first person was entered.
     void toggle_first_person(std::size_t number, const Places& places);
+    /// Like `toggle_first_person` with the same number. Does nothing outside of eyes.
+    void leave_eyes() {
+        if (is_first_person()) toggle_first_person(0, {});
+    }
     /// Leaves the person. The camera stays where it is.
     void leave() {
         name_.clear();

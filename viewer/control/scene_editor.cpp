@@ -48,16 +48,15 @@ Eigen::Vector3d size_of(const NewObject& wanted) {
     return size;
 }
 
-// Place on the view axis, far enough that the object is visible after it falls to the floor.
+// Place on the view axis, far enough that the object's foot is visible after it falls to the floor.
 Eigen::Vector3d place_before(const renderer::EyeView& eye, const Eigen::Vector3d& size_m) {
     const Eigen::Vector3d forward = -eye.view_from_world.row(2).head<3>().transpose();
     const Eigen::Matrix4d clip_from_world = eye.clip_from_world();
     Eigen::Vector3d at;
     for (double ahead_m = kBeforeTheEyeM + 0.5 * size_m.maxCoeff();; ahead_m += kStepM) {
         at = eye.eye_world() + ahead_m * forward;
-        const Eigen::Vector4d lying =
-            clip_from_world * Eigen::Vector4d(at.x(), at.y(), 0.5 * size_m.z(), 1.0);
-        if (ahead_m > kFarthestM || lying.y() > kLowestInView * lying.w()) break;
+        const Eigen::Vector4d foot = clip_from_world * Eigen::Vector4d(at.x(), at.y(), 0.0, 1.0);
+        if (ahead_m > kFarthestM || foot.y() > kLowestInView * foot.w()) break;
     }
     at.z() = std::max(at.z(), 0.5 * size_m.z() + kOffTheFloorM);
     return at;

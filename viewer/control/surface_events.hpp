@@ -31,8 +31,9 @@ struct SurfaceEvents {
     bool names = false;   // show or hide the names of people
     bool debug = false;   // show or hide the debug view
     bool reset_view = false;
-    bool follow = false;     // follow a person, or stop following
-    std::size_t person = 0;  // person whose eyes to look through, from 1; 0: no change
+    bool follow = false;      // follow a person, or stop following
+    std::size_t person = 0;   // person whose eyes to look through, from 1; 0: no change
+    bool leave_eyes = false;  // look from outside again
     std::optional<ViewpointEvent> viewpoint;
     std::string hide_site;     // hide this site, or show it again; empty: none
     std::string solo_site;     // show only this site, or all again; empty: none

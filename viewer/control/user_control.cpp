@@ -56,6 +56,7 @@ UserControl::Commands UserControl::move(const SurfaceEvents& events,
     if (mouse_.is_holding()) motion.turn_px.setZero();  // the drag moves the object
     if (events.follow) follow_.toggle_follow(camera_, shown.people);
     if (events.person > 0) follow_.toggle_first_person(events.person, shown.people);
+    if (events.leave_eyes) follow_.leave_eyes();
     if (events.reset_view) follow_.leave();
     if (events.follow || events.person > 0 || events.reset_view || moves(motion)) flight_.stop();
     if (follow_.is_first_person()) {

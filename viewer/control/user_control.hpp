@@ -35,6 +35,8 @@ public:
     const renderer::ViewCamera& camera() const { return camera_; }
     /// Person through whose eyes the user looks. Empty: nobody.
     std::string inside() const { return follow_.is_first_person() ? follow_.name() : ""; }
+    /// Person whom the viewpoint follows from outside. Empty: nobody.
+    std::string followed() const { return follow_.is_first_person() ? "" : follow_.name(); }
 
     /// Moves the viewpoint smoothly to `camera`. Mouse and keys end the flight.
     void fly_to(const renderer::ViewCamera& camera, Clock::time_point now);

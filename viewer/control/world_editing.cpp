@@ -6,7 +6,8 @@
 namespace atrium::viewer {
 namespace {
 
-constexpr double kClickPx = 4.0;  // a press that moves further is a drag
+constexpr double kClickPx = 4.0;          // a press that moves further is a drag
+constexpr double kClickHeightPx = 720.0;  // of the picture; more in a higher one
 constexpr std::chrono::milliseconds kHoldPeriod{15};
 constexpr std::chrono::milliseconds kHoldSignOfLife{500};
 
@@ -54,7 +55,8 @@ WorldEditing::Edits WorldEditing::update(const EditEvents& events,
     const bool is_released = !shown.pointer.is_down && was_down_;
     was_down_ = shown.pointer.is_down;
     if (is_pressed) press(shown, now);
-    if ((shown.pointer.at_px - pressed_px_).norm() > kClickPx) is_click_ = false;
+    const double least_drag_px = kClickPx * std::max(1.0, shown.pointer.height_px / kClickHeightPx);
+    if ((shown.pointer.at_px - pressed_px_).norm() > least_drag_px) is_click_ = false;
     if (drag_)
         drag(events, shown, now, out);
     else if (is_released && std::exchange(is_click_, false))

@@ -131,4 +131,11 @@ std::string to_string(const PictureQuality& quality) {
                        quality.has_shadows ? "on" : "off");
 }
 
+std::string describe(const PictureQuality& quality) {
+    std::string text = fmt::format("{:.0f} pictures/s", quality.max_fps);
+    if (quality.scale < 1.0)
+        text += fmt::format(", {:.0f} % of the resolution", 100.0 * quality.scale);
+    return quality.has_shadows ? text : text + ", no shadows";
+}
+
 }  // namespace atrium::viewer

@@ -69,7 +69,9 @@ private:
     bool is_trial_ = false;          // the last increase may turn out too expensive
 };
 
-/// "fps=15 scale=0.75 shadows=on"
+/// For the log: "fps=15 scale=0.75 shadows=on"
 std::string to_string(const PictureQuality& quality);
+/// For the user: "15 pictures/s, 75 % of the resolution, no shadows"
+std::string describe(const PictureQuality& quality);
 
 }  // namespace atrium::viewer

@@ -42,7 +42,7 @@ public:
 
     const PictureQuality& quality() const { return adaptive_.quality(); }
     /// Description of a reduced quality. Empty at the best.
-    std::string reduced_quality() const { return is_best() ? "" : to_string(quality()); }
+    std::string reduced_quality() const { return is_best() ? "" : describe(quality()); }
 
 private:
     bool is_best() const { return adaptive_.level() == 0; }

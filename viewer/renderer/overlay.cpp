@@ -13,7 +13,8 @@
 namespace atrium::renderer {
 namespace {
 
-constexpr double kNearestM = 0.1;  // distance from the eye; nearer labels would fill the picture
+constexpr double kLinePerPx = 720.0;  // height of a picture whose lines are one pixel wide
+constexpr double kNearestM = 0.1;     // distance from the eye; nearer labels would fill the picture
 
 double depth_of(const EyeView& eye, const Eigen::Vector3d& p_world) {
     return -(eye.view_from_world.row(2).head<3>().dot(p_world) + eye.view_from_world(2, 3));
@@ -149,6 +150,13 @@ void Overlay::draw_label(const Label& label, const EyeView& eye) const {
     label_shader_.set("opacity", static_cast<float>(label.opacity));
     gl::bind_texture(0, pictures_.at(label.picture));
     square_.draw();
+}
+
+void set_line_width(const EyeView& eye) {
+    std::array<float, 2> range{1.0f, 1.0f};
+    glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range.data());
+    const double width_px = std::max(1.0, std::round(eye.part_px.height / kLinePerPx));
+    glLineWidth(std::min(static_cast<float>(width_px), range[1]));
 }
 
 void Overlay::draw_lines(const EyeView& eye) const {

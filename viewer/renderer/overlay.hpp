@@ -27,7 +27,7 @@ struct Label {
     double raised = 0.0;  // moved up in the picture, in heights of the label
 };
 
-/// A straight line in the world, one pixel wide. Fainter where the scene hides it.
+/// A straight line in the world. Fainter where the scene hides it.
 struct Line {
     struct End {
         Eigen::Vector3f at_world;
@@ -41,6 +41,10 @@ struct Line {
 struct Triangle {
     std::array<Line::End, 3> corners;
 };
+
+/// Sets the width of lines and wires for that eye's part of the picture: one pixel for each 720 of
+/// its height, or less where the driver draws no such lines.
+void set_line_width(const EyeView& eye);
 
 /// Draws over the scene, into each eye's part of the picture and in each eye's colours. So it works
 /// on every display, and in screenshots and videos.

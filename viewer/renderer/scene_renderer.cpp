@@ -77,6 +77,7 @@ void SceneRenderer::Impl::draw_eye(const EyeView& eye,
                                    std::span<const ObjectLook* const> floors,
                                    bool has_backdrop) {
     const View view = eye.view();
+    set_line_width(eye);
     if (overlay->is_wireframe()) glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     for (auto& [site, person] : people) {
         if (person.is_solid()) person.draw(person_shaders, view.clip_from_world, view.eye_world);

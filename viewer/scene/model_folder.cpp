@@ -58,6 +58,7 @@ ModelSize ModelFolder::measure_file(const fs::path& file) {
     }
     size.num_parts = parts->size();
     size.size_m = bounds.size();
+    size.preview = draw_preview(*parts);
     return size;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "viewer/scene/background_reader.hpp"
+#include "viewer/scene/model_preview.hpp"
 
 #include <Eigen/Core>
 
@@ -22,6 +23,7 @@ struct ModelSize {
     Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // extents along x, y, z
     std::size_t num_triangles = 0;
     std::size_t num_parts = 0;
+    ModelPreview preview;
     std::string error;  // why the file cannot be read; empty: it can
 };
 

@@ -42,7 +42,8 @@ void PeopleView::show(const std::string& site,
                        update.model->triangles.size(),
                        update.model->cameras.size());
     }
-    if (!is_new && now - shown.since > kStalled)
+    // a slow picture is no silence of the site
+    if (!is_new && updated_ - shown.since > kStalled)
         app::log::info("person_back site={} after_s={:.1f}", site, seconds(now - shown.since));
     shown.since = now;
     ++shown.num_pairs;
@@ -70,6 +71,7 @@ void PeopleView::update(Session& session,
         for (auto& [site, update] : due_.take(*instant, skip))
             show(site, std::move(update), session, now, renderer);
     }
+    updated_ = now;
     for (const auto& [site, shown] : shown_) renderer.set_person_opacity(site, opacity(site, now));
 }
 
@@ -90,7 +92,7 @@ std::map<std::string, PeopleView::Stream> PeopleView::streams(Clock::time_point 
     for (auto& [site, shown] : shown_) {
         Stream& stream = streams[site];
         stream.per_s = shown.rate.update(shown.num_pairs, now);
-        if (now - shown.since > kStalled) stream.silent_s = seconds(now - shown.since);
+        if (updated_ - shown.since > kStalled) stream.silent_s = seconds(updated_ - shown.since);
     }
     return streams;
 }

@@ -70,7 +70,7 @@ public:
     /// A person's stream.
     struct Stream {
         double per_s = 0.0;     // new meshes, since the last call
-        double silent_s = 0.0;  // time without a new one; 0 while they come
+        double silent_s = 0.0;  // time without a new one at the last picture; 0 while they come
     };
     std::map<std::string, Stream> streams(Clock::time_point now);
 
@@ -91,6 +91,7 @@ private:
         RateMeter rate;
     };
     std::map<std::string, Shown> shown_;
+    Clock::time_point updated_;  // last picture
     std::vector<JustShown> just_shown_;
     std::uint64_t num_pairs_shown_ = 0;
 };

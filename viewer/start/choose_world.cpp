@@ -1,5 +1,6 @@
 #include "viewer/start/choose_world.hpp"
 
+#include "core/app/log.hpp"
 #include "core/bus/world_listener.hpp"
 #include "core/presence/heard_worlds.hpp"
 #include "viewer/start/start_screen.hpp"
@@ -65,7 +66,7 @@ private:
 
 std::optional<bus::BusOptions> choose_world(Surface& surface,
                                             const bus::BusOptions& options,
-                                            const RecentWorlds& recent,
+                                            RecentWorlds& recent,
                                             const std::string& notice,
                                             std::stop_token stop) {
     StartScreen screen(options, notice);
@@ -76,9 +77,15 @@ std::optional<bus::BusOptions> choose_world(Surface& surface,
         const auto entries =
             world_entries(screen.options(), ear.worlds(Clock::now()), recent.list());
         surface.show_layout([&] { screen.draw(entries); });
+        if (const auto forgotten = screen.take_forgotten()) {
+            if (const auto kept = recent.forget(*forgotten); !kept)
+                app::log::warn("recent_worlds_failed reason=\"{}\"", kept.error().message);
+        }
         if (const auto& joined = screen.joined()) {
-            // joining takes most of a second, in which the window draws nothing
-            surface.show_layout([&] { draw_joining(joined->world); });
+            // joining takes most of a second, in which the window draws nothing. ImGui hides a new
+            // panel in its first frame, in which it finds its size.
+            for (int frame = 0; frame < 2; ++frame)
+                surface.show_layout([&] { draw_joining(joined->world); });
             return joined;
         }
         pause(stop, kPicturePeriod);

@@ -12,10 +12,11 @@
 namespace atrium::viewer {
 
 /// Shows the start screen until the user joins a world. Empty: the user left, or a stop was
-/// requested. `options`: the network to listen on at first. Main thread.
+/// requested. `options`: the network to listen on at first. Removes from `recent` what the user
+/// forgets. Main thread.
 std::optional<bus::BusOptions> choose_world(Surface& surface,
                                             const bus::BusOptions& options,
-                                            const RecentWorlds& recent,
+                                            RecentWorlds& recent,
                                             const std::string& notice,
                                             std::stop_token stop);
 

@@ -59,6 +59,15 @@ Expected<void> RecentWorlds::add(const bus::BusOptions& world) {
     std::erase_if(worlds_, [&](const bus::BusOptions& known) { return is_same(known, world); });
     worlds_.insert(worlds_.begin(), world);
     if (worlds_.size() > kMax) worlds_.resize(kMax);
+    return save();
+}
+
+Expected<void> RecentWorlds::forget(const bus::BusOptions& world) {
+    std::erase_if(worlds_, [&](const bus::BusOptions& known) { return is_same(known, world); });
+    return save();
+}
+
+Expected<void> RecentWorlds::save() const {
     if (file_.empty()) return {};
     std::string text = "# Worlds that the viewer joined last (docs/viewer_window.md)\n\n";
     for (const bus::BusOptions& known : worlds_) {

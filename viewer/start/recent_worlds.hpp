@@ -20,9 +20,13 @@ public:
 
     /// Puts the world first. Error kUnavailable if the file cannot be written.
     Expected<void> add(const bus::BusOptions& world);
+    /// Removes the world. Error kUnavailable if the file cannot be written.
+    Expected<void> forget(const bus::BusOptions& world);
     const std::vector<bus::BusOptions>& list() const { return worlds_; }
 
 private:
+    Expected<void> save() const;
+
     std::filesystem::path file_;
     std::vector<bus::BusOptions> worlds_;
 };

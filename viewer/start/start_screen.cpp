@@ -31,6 +31,14 @@ std::string title_of(const bus::BusOptions& options) {
                        options.peers.empty() ? "" : ", peers " + options.peers);
 }
 
+// Writes the name before the field that follows, on the same line.
+void name_field(const char* name, double width_px) {
+    ImGui::SameLine(0.0f, ui_px(16.0));
+    ImGui::TextUnformatted(name);
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(ui_px(width_px));
+}
+
 }  // namespace
 
 std::vector<WorldEntry> world_entries(const bus::BusOptions& options,
@@ -74,7 +82,7 @@ StartScreen::StartScreen(bus::BusOptions options, std::string notice)
 
 void StartScreen::choose_by_key(const std::vector<WorldEntry>& worlds) {
     if (ImGui::GetIO().WantTextInput) return;
-    if (is_pressed(ImGuiKey_Escape)) is_left_ = true;
+    if (is_pressed(ImGuiKey_Escape) && !close_popup()) is_left_ = true;
     if (worlds.empty()) return;
     const auto found = std::ranges::find_if(
         worlds, [&](const WorldEntry& world) { return id_of(world.options) == chosen_; });
@@ -87,6 +95,7 @@ void StartScreen::choose_by_key(const std::vector<WorldEntry>& worlds) {
     const WorldEntry& world =
         worlds[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at, 0, last))];
     chosen_ = id_of(world.options);
+    if (is_pressed(ImGuiKey_Delete) && !world.is_heard) forgotten_ = world.options;
     if (is_pressed(ImGuiKey_Enter) || is_pressed(ImGuiKey_KeyPadEnter)) joined_ = world.options;
 }
 
@@ -126,6 +135,9 @@ void StartScreen::draw_list(const std::vector<WorldEntry>& worlds) {
         chosen == nullptr ? "join###join" : fmt::format("join {}###join", chosen->options.world);
     if (ImGui::Button(title.c_str()) && chosen != nullptr) joined_ = chosen->options;
     ImGui::EndDisabled();
+    if (chosen == nullptr || chosen->is_heard) return;
+    ImGui::SameLine();
+    if (ImGui::Button("forget it")) forgotten_ = chosen->options;
 }
 
 void StartScreen::draw_network() {
@@ -138,17 +150,15 @@ void StartScreen::draw_network() {
             if (ImGui::Selectable(network, options_.network == network)) options_.network = network;
         ImGui::EndCombo();
     }
-    ImGui::SameLine();
-    ImGui::SetNextItemWidth(ui_px(120.0));
+    name_field("domain", 120.0);
     // only when the number is complete: each change leaves a domain and joins another
-    ImGui::InputInt("domain", &domain_);
+    ImGui::InputInt("##domain", &domain_);
     if (ImGui::IsItemDeactivatedAfterEdit()) {
         domain_ = std::clamp(domain_, 0, 230);
         options_.domain = static_cast<std::uint32_t>(domain_);
     }
-    ImGui::SameLine();
-    ImGui::SetNextItemWidth(ui_px(200.0));
-    ImGui::InputTextWithHint("peers", "host,host", peers_.data(), peers_.size());
+    name_field("peers", 200.0);
+    ImGui::InputTextWithHint("##peers", "host,host", peers_.data(), peers_.size());
     if (ImGui::IsItemDeactivatedAfterEdit()) options_.peers = peers_.data();
     if (!failure_.empty()) ImGui::TextColored(kWarningColour, "%s", failure_.c_str());
 }
@@ -189,8 +199,9 @@ void StartScreen::draw(const std::vector<WorldEntry>& worlds) {
     ImGui::TextColored(kHintColour,
                        "Not heard: worlds of other domains and networks, of hosts beyond a router "
                        "(name them as peers), and of other versions of Atrium.");
-    ImGui::TextColored(kHintColour,
-                       "Up, Down: choose   Enter: join   F11: full screen   Esc: quit");
+    ImGui::TextColored(
+        kHintColour,
+        "Up, Down: choose   Enter: join   Delete: forget   F11: full screen   Esc: quit");
     ImGui::PopTextWrapPos();
     ImGui::End();
 }

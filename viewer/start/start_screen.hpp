@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace atrium::viewer {
@@ -44,6 +45,8 @@ public:
     void set_failure(const std::string& failure) { failure_ = failure; }
     const std::optional<bus::BusOptions>& joined() const { return joined_; }
     bool is_left() const { return is_left_; }
+    /// Takes the remembered world that the user removes from the list.
+    std::optional<bus::BusOptions> take_forgotten() { return std::exchange(forgotten_, {}); }
 
 private:
     void choose_by_key(const std::vector<WorldEntry>& worlds);
@@ -60,6 +63,7 @@ private:
     std::array<char, 256> peers_{};
     int domain_ = 0;
     std::optional<bus::BusOptions> joined_;
+    std::optional<bus::BusOptions> forgotten_;
     bool is_left_ = false;
 };
 

@@ -116,10 +116,10 @@ void EditPanel::draw_place(const HudContent& content, SurfaceEvents& events) {
     ImGui::EndDisabled();
 }
 
-void EditPanel::draw(const HudContent& content, Corner corner, SurfaceEvents& events) {
+float EditPanel::draw(const HudContent& content, float left, SurfaceEvents& events) {
     if (!content.edit.selected) {
         seen_ = {};
-        return;
+        return left;
     }
     const bus::SceneObject& object = *content.edit.selected;
     const double now_s = ImGui::GetTime();
@@ -131,7 +131,7 @@ void EditPanel::draw(const HudContent& content, Corner corner, SurfaceEvents& ev
         asked_at_s_ = -1e9;
     }
     const float font = ImGui::GetFontSize();
-    place_in(corner);
+    place_below(left);
     ImGui::SetNextWindowSize({23.0f * font, 0.0f});
     ImGui::SetNextWindowBgAlpha(0.85f);
     ImGui::Begin("edit",
@@ -147,13 +147,15 @@ void EditPanel::draw(const HudContent& content, Corner corner, SurfaceEvents& ev
         draw_fields(object);
     draw_place(content, events);
     ImGui::PopItemWidth();
+    const float right = ImGui::GetWindowPos().x + ImGui::GetWindowSize().x;
     ImGui::End();
-    if (ImGui::IsAnyItemActive() || object.shape == bus::Shape::kSoft) return;
+    if (ImGui::IsAnyItemActive() || object.shape == bus::Shape::kSoft) return right;
     bus::SceneObject wanted = form();
-    if (is_equal(wanted, asked_)) return;
+    if (is_equal(wanted, asked_)) return right;
     asked_ = wanted;
     asked_at_s_ = now_s;
     events.edit.change = std::move(wanted);
+    return right;
 }
 
 }  // namespace atrium::viewer

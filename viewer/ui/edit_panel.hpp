@@ -13,8 +13,9 @@ namespace atrium::viewer {
 class EditPanel {
 public:
     /// Shows nothing if no object is selected. Writes the user's changes to `events`, each when the
-    /// user has let go of its field.
-    void draw(const HudContent& content, Corner corner, SurfaceEvents& events);
+    /// user has let go of its field. The panel lies to the right of `left` [px]. Returns its own
+    /// right edge, or `left` without one.
+    float draw(const HudContent& content, float left, SurfaceEvents& events);
 
 private:
     void load(const bus::SceneObject& object);

@@ -43,7 +43,9 @@ void draw_sites(const HudContent& content) {
                     content.has_other_worlds ? "   Backspace: other worlds" : "");
     const auto num_hidden =
         std::ranges::count_if(content.sites, [](const SiteLine& line) { return !line.is_shown; });
-    if (num_hidden > 0) draw_warning(fmt::format("{} sites hidden (L)", num_hidden));
+    if (num_hidden > 0)
+        draw_warning(
+            fmt::format("{} {} hidden (L)", num_hidden, num_hidden == 1 ? "site is" : "sites are"));
     for (const SiteLine& line : content.sites)
         if (line.number > 0 && line.is_warning) draw_warning(line.name + ": " + line.state);
 }
@@ -94,7 +96,7 @@ void draw_details(const HudContent& content) {
 
 }  // namespace
 
-void draw_hud(const HudContent& content, bool has_details) {
+float draw_hud(const HudContent& content, bool has_details) {
     begin_panel("figures", Corner::kUpperLeft, 0.6, has_details);
     ImGui::PushTextWrapPos(ui_px(has_details ? kDetailWidth_px : kLineWidth_px));
     std::string summary = content.world.empty() ? "" : content.world + "   ";
@@ -103,12 +105,24 @@ void draw_hud(const HudContent& content, bool has_details) {
         summary += fmt::format("   {:.0f} ms old", content.capture_to_display.median_ms);
     ImGui::TextUnformatted(summary.c_str());
     if (!content.quality.empty()) draw_warning("machine too slow: " + content.quality);
+    if (!content.inside.empty())
+        ImGui::TextWrapped("through the eyes of %s   Esc: leave", content.inside.c_str());
+    if (!content.followed.empty())
+        ImGui::TextWrapped("following %s   F: stop", content.followed.c_str());
     draw_sites(content);
     draw_warnings(content, has_details);
     if (has_details) draw_details(content);
     draw_messages(content);
     ImGui::TextColored(kHintColour, "F1, ?: keys   T: %s   H: hide", has_details ? "less" : "more");
     ImGui::PopTextWrapPos();
+    const float right = ImGui::GetWindowPos().x + ImGui::GetWindowSize().x;
+    ImGui::End();
+    return right;
+}
+
+void draw_close_question() {
+    begin_panel("close", Corner::kMiddle, 0.96, false);
+    ImGui::TextUnformatted("Esc again: close the viewer");
     ImGui::End();
 }
 

@@ -4,9 +4,12 @@
 
 namespace atrium::viewer {
 
-/// Lays out the panel of statistics; `has_details` adds the stage times of sites and worlds. Call
-/// between ImGui's NewFrame and Render.
-void draw_hud(const HudContent& content, bool has_details);
+/// Lays out the panel of statistics; `has_details` adds the stage times of sites and worlds.
+/// Returns its right edge. Call between ImGui's NewFrame and Render.
+float draw_hud(const HudContent& content, bool has_details);
+
+/// Lays out the question whether to close the viewer. Call between ImGui's NewFrame and Render.
+void draw_close_question();
 
 /// Lays out the list of keys. Call between ImGui's NewFrame and Render.
 void draw_keys();

@@ -148,7 +148,7 @@ constexpr std::array kBindings{
                {GLFW_KEY_BACKSPACE}},
     KeyBinding{Action::kClose,
                "Esc",
-               "end the drag, close what is open, select nothing, close",
+               "end the drag, close panels, deselect, leave eyes; twice: quit",
                false,
                false,
                {GLFW_KEY_ESCAPE}},
@@ -184,6 +184,59 @@ int key_of_letter(int key) {
     const char* name = glfwGetKeyName(key, 0);
     const bool is_letter = name != nullptr && name[0] >= 'a' && name[0] <= 'z' && name[1] == '\0';
     return is_letter ? GLFW_KEY_A + (name[0] - 'a') : key;
+}
+
+bool change_view(const PressedKey& key, SurfaceEvents& events) {
+    using Kind = ViewpointEvent::Kind;
+    const auto go = [&](Kind kind) { events.viewpoint = ViewpointEvent{kind, key.number, ""}; };
+    switch (key.action) {
+        case Action::kScreenshot:
+            events.screenshot = true;
+            return true;
+        case Action::kReset:
+            events.reset_scene = true;
+            return true;
+        case Action::kStartView:
+            events.reset_view = true;
+            return true;
+        case Action::kVideo:
+            events.record = true;
+            return true;
+        case Action::kStream:
+            events.stream = true;
+            return true;
+        case Action::kFollow:
+            events.follow = true;
+            return true;
+        case Action::kEyes:
+            events.person = static_cast<std::size_t>(key.number);
+            return true;
+        case Action::kStoreView:
+            go(Kind::kKeep);
+            return true;
+        case Action::kGoToView:
+            go(Kind::kGo);
+            return true;
+        case Action::kPreviousView:
+            go(Kind::kGoPrevious);
+            return true;
+        case Action::kNextView:
+            go(Kind::kGoNext);
+            return true;
+        case Action::kNames:
+            events.names = true;
+            return true;
+        case Action::kDebug:
+            events.debug = true;
+            return true;
+        case Action::kOtherWorld:
+            events.other_world = true;
+            return true;
+        case Action::kMove:
+            return true;  // polled by the window
+        default:
+            return false;
+    }
 }
 
 bool change_selected(const PressedKey& key, EditEvents& edit) {

@@ -76,6 +76,9 @@ std::optional<PressedKey> find_key(int key, int modifiers, bool is_dragging = fa
 /// other keys are meant by place: German keyboards have Y and Z the other way round.
 int key_of_letter(int key);
 
+/// Notes a key for the view. Returns false for the others.
+bool change_view(const PressedKey& key, SurfaceEvents& events);
+
 /// Notes a key for selected objects. Returns false for the others.
 bool change_selected(const PressedKey& key, EditEvents& edit);
 

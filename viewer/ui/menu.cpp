@@ -33,9 +33,15 @@ void size_slider(const char* title, float& value_m) {
 }  // namespace
 
 void Menu::draw_new_object(SurfaceEvents& events) {
+    const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
     for (int i = 0; i < static_cast<int>(kShapes.size()); ++i) {
-        if (i > 0) ImGui::SameLine();
-        ImGui::RadioButton(kShapes[static_cast<std::size_t>(i)].title, &shape_, i);
+        const char* title = kShapes[static_cast<std::size_t>(i)].title;
+        // a new row where no further button fits
+        const float width = ImGui::GetFrameHeight() + gap + ImGui::CalcTextSize(title).x;
+        const float from = ImGui::GetItemRectMax().x + ImGui::GetStyle().ItemSpacing.x;
+        if (i > 0 && from + width <= right) ImGui::SameLine();
+        ImGui::RadioButton(title, &shape_, i);
     }
     const bus::Shape shape = kShapes[static_cast<std::size_t>(shape_)].shape;
     if (shape == bus::Shape::kBox) {

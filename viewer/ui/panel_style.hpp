@@ -9,10 +9,19 @@ namespace atrium::viewer {
 inline const ImVec4 kHintColour{0.75f, 0.77f, 0.8f, 1.0f};
 inline const ImVec4 kWarningColour{1.0f, 0.75f, 0.3f, 1.0f};
 
-enum class Corner : std::uint8_t { kUpperLeft, kLowerLeft, kLowerMiddle, kLowerRight, kMiddle };
+enum class Corner : std::uint8_t { kUpperLeft, kLowerRight, kMiddle };
 
 /// Places the next ImGui window in a corner of the picture.
 void place_in(Corner corner);
+
+/// Places the next ImGui window at the lower edge of the picture, to the right of `left` [px].
+void place_below(float left);
+
+/// Closes the colour picker or list that is open over the panels. Returns whether there was one.
+bool close_popup();
+
+/// Begins a panel at the place that was set, see place_below.
+void begin_placed_panel(const char* name, double share, bool takes_input = true);
 
 /// Begins a panel as large as its content, in a corner of the picture, at most `share` of the
 /// picture's width; scrolls beyond its height. `takes_input`: false: the mouse goes through it to

@@ -1,6 +1,9 @@
 #include "viewer/ui/site_lines.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 namespace atrium::viewer {
 namespace {
@@ -38,6 +41,17 @@ std::vector<SiteLine> site_lines(const std::map<std::string, PeopleView::Stream>
         lines.push_back(std::move(line));
     }
     return lines;
+}
+
+std::string text_of_left(const std::vector<SiteLine>& before, const std::vector<SiteLine>& now) {
+    std::vector<std::string> left;
+    for (const SiteLine& line : before) {
+        const auto is_same_person = [&](const SiteLine& other) {
+            return other.name == line.name && other.number > 0;
+        };
+        if (line.number > 0 && std::ranges::none_of(now, is_same_person)) left.push_back(line.name);
+    }
+    return left.empty() ? "" : fmt::format("{} left", fmt::join(left, ", "));
 }
 
 void mark_selected(const SiteSelection& selection, std::vector<SiteLine>& lines) {

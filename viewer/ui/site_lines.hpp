@@ -18,6 +18,9 @@ std::vector<SiteLine> site_lines(const std::map<std::string, PeopleView::Stream>
                                  const std::set<std::string>& described,
                                  const StatusLines& reports);
 
+/// Tells the user who is no longer among the lines: "bob left". Empty: nobody.
+std::string text_of_left(const std::vector<SiteLine>& before, const std::vector<SiteLine>& now);
+
 /// Marks what the user hides.
 void mark_selected(const SiteSelection& selection, std::vector<SiteLine>& lines);
 

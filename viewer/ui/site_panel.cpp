@@ -47,10 +47,11 @@ void SitePanel::move_choice(const std::vector<SiteLine>& sites) {
     chosen_ = sites[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at, 0, last))].name;
 }
 
-void SitePanel::draw(const HudContent& content, Corner corner, SurfaceEvents& events) {
+void SitePanel::draw(const HudContent& content, float left, SurfaceEvents& events) {
     move_choice(content.sites);
-    begin_panel("sites", corner, 0.6);
-    ImGui::Text("%zu sites", content.sites.size());
+    place_below(left);
+    begin_placed_panel("sites", 0.6);
+    ImGui::Text("%zu %s", content.sites.size(), content.sites.size() == 1 ? "site" : "sites");
     if (ImGui::BeginTable("sites", 5, ImGuiTableFlags_SizingFixedFit)) {
         for (const char* title : {"show", "solo", "site", "meshes", "state"})
             ImGui::TableSetupColumn(title);

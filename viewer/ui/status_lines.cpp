@@ -15,6 +15,7 @@ namespace {
 constexpr std::chrono::seconds kForgotten{4};
 // A world server sends at least one state and one status a second.
 constexpr std::chrono::milliseconds kWorldLost{1500};
+constexpr std::chrono::seconds kWorldMissing{4};  // discovery over a network takes seconds
 
 double seconds(StatusLines::Clock::duration duration) {
     return std::chrono::duration<double>(duration).count();
@@ -51,6 +52,8 @@ void StatusLines::forget_silent(Clock::time_point now) {
 bool StatusLines::watch_world(Clock::time_point now,
                               const std::optional<Clock::time_point>& heard) {
     if (heard && (!last_world_ || *heard > *last_world_)) last_world_ = heard;
+    if (!watched_since_) watched_since_ = now;
+    is_world_missing_ = !last_world_ && now - *watched_since_ > kWorldMissing;
     if (!last_world_) return false;
     const bool was_gone = without_world_ > Clock::duration::zero();
     const Clock::duration silence = now - *last_world_;
@@ -63,6 +66,7 @@ bool StatusLines::watch_world(Clock::time_point now,
 
 std::vector<HudLine> StatusLines::warnings() const {
     std::vector<HudLine> lines;
+    if (is_world_missing_) lines.push_back({"no world server in this world: no objects", true});
     if (without_world_ > Clock::duration::zero()) {
         const double silent_s = seconds(without_world_);
         lines.push_back(

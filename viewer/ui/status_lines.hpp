@@ -58,6 +58,8 @@ private:
     std::map<std::string, Program> programs_;      // key: kind and name
     std::optional<Clock::time_point> last_world_;  // any world was heard
     Clock::duration without_world_{};              // 0 while there is a world, and before the first
+    std::optional<Clock::time_point> watched_since_;
+    bool is_world_missing_ = false;  // none was ever heard
 };
 
 }  // namespace atrium::viewer

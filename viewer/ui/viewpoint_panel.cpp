@@ -7,6 +7,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace atrium::viewer {
 namespace {
@@ -24,18 +25,23 @@ void ViewpointPanel::draw_line(const ViewpointLine& line, SurfaceEvents& events)
     ImGui::TableNextColumn();
     if (renamed_ == line.number) {
         ImGui::SetNextItemWidth(ui_px(180.0));
+        // at once: letters typed without a field are keys of the viewer
+        if (std::exchange(wants_focus_, false)) ImGui::SetKeyboardFocusHere();
         const bool is_done = ImGui::InputText(
-            "##name", name_.data(), name_.size(), ImGuiInputTextFlags_EnterReturnsTrue);
-        if (is_done && name_[0] != '\0') {
+            "##name",
+            name_.data(),
+            name_.size(),
+            ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+        if (is_done && name_[0] != '\0')
             events.viewpoint = ViewpointEvent{ViewpointAsk::kRename, line.number, name_.data()};
-            renamed_ = 0;
-        }
+        if (is_done || ImGui::IsItemDeactivated()) renamed_ = 0;
     } else if (ImGui::Selectable(line.name.c_str(), false, 0, {ui_px(180.0), 0.0f})) {
         events.viewpoint = ViewpointEvent{ViewpointAsk::kGo, line.number, ""};
     }
     ImGui::TableNextColumn();
     if (ImGui::SmallButton("rename")) {
         renamed_ = renamed_ == line.number ? 0 : line.number;
+        wants_focus_ = renamed_ != 0;
         name_.fill('\0');
         std::copy_n(line.name.begin(), std::min(line.name.size(), name_.size() - 1), name_.begin());
     }

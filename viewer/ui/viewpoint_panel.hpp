@@ -15,7 +15,8 @@ public:
 private:
     void draw_line(const ViewpointLine& line, SurfaceEvents& events);
 
-    int renamed_ = 0;  // number of the viewpoint whose name is typed; 0: none
+    int renamed_ = 0;           // number of the viewpoint whose name is typed; 0: none
+    bool wants_focus_ = false;  // the field of that name just appeared
     std::array<char, 64> name_{};
 };
 

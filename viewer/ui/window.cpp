@@ -1,11 +1,14 @@
 #include "core/gl/entry_points.hpp"
+#include "viewer/overlay/label_scale.hpp"
 #include "viewer/ui/edit_panel.hpp"
 #include "viewer/ui/full_screen.hpp"
 #include "viewer/ui/hud.hpp"
 #include "viewer/ui/keys.hpp"
 #include "viewer/ui/menu.hpp"
+#include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/site_panel.hpp"
 #include "viewer/ui/surface.hpp"
+#include "viewer/ui/tapped_keys.hpp"
 #include "viewer/ui/ui_scale.hpp"
 #include "viewer/ui/viewpoint_panel.hpp"
 
@@ -26,6 +29,8 @@
 namespace atrium::viewer {
 namespace {
 
+constexpr double kAsksToCloseS = 3.0;
+
 std::string last_glfw_error() {
     const char* text = nullptr;
     glfwGetError(&text);
@@ -42,6 +47,7 @@ public:
         glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
             if (action != GLFW_PRESS) return;
             auto& self = *static_cast<Window*>(glfwGetWindowUserPointer(w));
+            self.taps_.pressed(key);
             const bool is_letter_meant = self.is_dragging_ || (modifiers & GLFW_MOD_CONTROL) != 0;
             if (is_letter_meant) key = key_of_letter(key);
             if (const auto found = find_key(key, modifiers, self.is_dragging_))
@@ -54,6 +60,8 @@ public:
             if (ImGui::GetIO().WantCaptureMouse) return;
             static_cast<Window*>(glfwGetWindowUserPointer(w))->events_.motion.zoom_steps += steps;
         });
+        // a click may begin and end between two slow pictures
+        glfwSetInputMode(window_, GLFW_STICKY_MOUSE_BUTTONS, GLFW_TRUE);
         // ImGui keeps its context in a global: only one window at a time
         ImGui::CreateContext();
         ImGui::GetIO().IniFilename = nullptr;
@@ -100,17 +108,19 @@ public:
         is_layout_only_ = false;
         is_dragging_ = content.edit.is_dragging;
         has_selection_ = content.edit.selected.has_value();
+        is_inside_ = !content.inside.empty();
         if (has_two_buffers_)
             renderer.present_halves();
         else
             renderer.present();
         // even if nothing is laid out: ImGui needs it to know that mouse and keys are not for it
         lay_out([&] {
-            if (is_hud_shown_) draw_hud(content, has_details_);
+            const float hud_right = is_hud_shown_ ? draw_hud(content, has_details_) : 0.0f;
             if (is_menu_shown_) menu_.draw(content, events_);
-            draw_lower_panels(content);
+            draw_lower_panels(content, has_details_ ? hud_right : 0.0f);
             if (are_views_shown_) views_.draw(content, events_);
             if (are_keys_shown_) draw_keys();
+            if (is_close_asked()) draw_close_question();
         });
         swap();
     }
@@ -137,18 +147,17 @@ private:
         sizes_.set_scale(ui_scale_of(wanted_ui_scale_, size()[1], content_scale()));
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
+        taps_.begin_frame();
         ImGui::NewFrame();
         layout();
         ImGui::Render();
+        taps_.end_frame();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     }
-    // beside each other, and beside the long panel
-    void draw_lower_panels(const HudContent& content) {
-        constexpr std::array kPlaces{Corner::kLowerLeft, Corner::kLowerMiddle, Corner::kLowerRight};
-        std::size_t place = is_hud_shown_ && has_details_ ? 1 : 0;
-        edit_panel_.draw(content, kPlaces[place], events_);
-        if (has_selection_) ++place;
-        if (are_sites_shown_) sites_.draw(content, kPlaces[place], events_);
+    // beside each other, and beside the long panel, which ends at `left`
+    void draw_lower_panels(const HudContent& content, float left) {
+        left = edit_panel_.draw(content, left, events_);
+        if (are_sites_shown_) sites_.draw(content, left, events_);
     }
     void swap() {
         glFinish();  // separates drawing from waiting for the display
@@ -162,68 +171,8 @@ private:
             if (key.action == Action::kFullScreen) full_screen_.toggle(window_);
             return;
         }
-        if (!change_view(key) && !change_selected(key, events_.edit)) change_panels(key);
-    }
-    // Keys for the viewer. Returns false for the others.
-    bool change_view(const PressedKey& key) {
-        using Kind = ViewpointEvent::Kind;
-        const auto go = [&](Kind kind) {
-            events_.viewpoint = ViewpointEvent{kind, key.number, ""};
-        };
-        switch (key.action) {
-            case Action::kScreenshot:
-                events_.screenshot = true;
-                return true;
-            case Action::kReset:
-                events_.reset_scene = true;
-                return true;
-            case Action::kStartView:
-                events_.reset_view = true;
-                return true;
-            case Action::kVideo:
-                events_.record = true;
-                return true;
-            case Action::kStream:
-                events_.stream = true;
-                return true;
-            case Action::kFollow:
-                events_.follow = true;
-                return true;
-            case Action::kEyes:
-                events_.person = static_cast<std::size_t>(key.number);
-                return true;
-            case Action::kStoreView:
-                go(Kind::kKeep);
-                return true;
-            case Action::kGoToView:
-                go(Kind::kGo);
-                return true;
-            case Action::kPreviousView:
-                go(Kind::kGoPrevious);
-                return true;
-            case Action::kNextView:
-                go(Kind::kGoNext);
-                return true;
-            case Action::kNames:
-                events_.names = true;
-                return true;
-            case Action::kDebug:
-                events_.debug = true;
-                return true;
-            case Action::kWalk:
-                walks_ = !walks_;
-                return true;
-            case Action::kOtherWorld:
-                events_.other_world = true;
-                return true;
-            case Action::kRemovePointed:
-                events_.remove_pointed = !ImGui::GetIO().WantCaptureMouse;
-                return true;
-            case Action::kMove:
-                return true;  // polled, see read_keys
-            default:
-                return false;
-        }
+        if (change_view(key, events_) || change_selected(key, events_.edit)) return;
+        change_panels(key);
     }
     void change_panels(const PressedKey& key) {
         const auto toggle = [](bool& is_shown) { is_shown = !is_shown; };
@@ -259,6 +208,12 @@ private:
             case Action::kSoloSite:
                 if (are_sites_shown_) events_.solo_site = sites_.chosen();
                 break;
+            case Action::kWalk:
+                toggle(walks_);
+                break;
+            case Action::kRemovePointed:
+                events_.remove_pointed = !ImGui::GetIO().WantCaptureMouse;
+                break;
             case Action::kFullScreen:
                 full_screen_.toggle(window_);
                 break;
@@ -279,24 +234,33 @@ private:
             events_.edit.cancel = true;
             return;
         }
+        if (close_popup()) return;
         for (bool* is_shown :
              {&are_keys_shown_, &is_menu_shown_, &are_views_shown_, &are_sites_shown_})
             if (std::exchange(*is_shown, false)) return;
         if (has_selection_)
             events_.edit.cancel = true;
-        else
+        else if (is_inside_)
+            events_.leave_eyes = true;
+        else if (is_close_asked())
             glfwSetWindowShouldClose(window_, GLFW_TRUE);
+        else
+            close_asked_at_s_ = glfwGetTime();
     }
+    // A second Esc closes: one too many must not end a recording.
+    bool is_close_asked() const { return glfwGetTime() - close_asked_at_s_ < kAsksToCloseS; }
     bool is_down(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
 
     void read_mouse() {
         Eigen::Vector2d at = Eigen::Vector2d::Zero();
         glfwGetCursorPos(window_, &at.x(), &at.y());
-        const Eigen::Vector2d way = at - last_cursor_;
-        last_cursor_ = at;
         // the cursor is in screen units, the picture in pixels
         std::array<int, 2> window{};
         glfwGetWindowSize(window_, &window[0], &window[1]);
+        // a drag across half the window turns the view alike in small and in large windows
+        const Eigen::Vector2d way =
+            (at - last_cursor_) / std::max(1.0, window[1] / kReferenceHeight_px);
+        last_cursor_ = at;
         events_.pointer.at_px = at;
         events_.pointer.width_px = std::max(1, window[0]);
         events_.pointer.height_px = std::max(1, window[1]);
@@ -338,6 +302,9 @@ private:
     EditPanel edit_panel_;
     bool is_dragging_ = false;    // a handle, in the last picture
     bool has_selection_ = false;  // in the last picture
+    bool is_inside_ = false;      // of a person's eyes, in the last picture
+    double close_asked_at_s_ = -kAsksToCloseS;
+    TappedKeys taps_;
     SitePanel sites_;
     ViewpointPanel views_;
     bool walks_ = false;

@@ -1,5 +1,6 @@
 #include "viewer/ui/edit_panel.hpp"
 #include "viewer/ui/fields.hpp"
+#include "viewer/ui/ui_scale.hpp"
 
 #include <imgui.h>
 
@@ -12,6 +13,7 @@ namespace atrium::viewer {
 namespace {
 
 constexpr float kListLines = 6.0f;
+constexpr double kPreviewPixel_px = 1.25;  // at scale 1
 
 std::string lower(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
@@ -33,10 +35,32 @@ bool begin_list(const char* name) {
     return ImGui::BeginListBox(name, {-1.0f, kListLines * ImGui::GetTextLineHeightWithSpacing()});
 }
 
+// Draws rows of equal greys as bars: a picture this small needs no texture.
+void draw_preview_picture(const ModelPreview& preview) {
+    if (preview.greys.empty()) return;
+    const float pixel = ui_px(kPreviewPixel_px);
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    for (int y = 0; y < ModelPreview::kHeight; ++y) {
+        const auto* row = &preview.greys[static_cast<std::size_t>(y * ModelPreview::kWidth)];
+        for (int x = 0; x < ModelPreview::kWidth;) {
+            const int from = x;
+            while (x < ModelPreview::kWidth && row[x] == row[from]) ++x;
+            if (row[from] == ModelPreview::kBackground) continue;
+            list.AddRectFilled(
+                {at.x + pixel * static_cast<float>(from), at.y + pixel * static_cast<float>(y)},
+                {at.x + pixel * static_cast<float>(x), at.y + pixel * static_cast<float>(y + 1)},
+                IM_COL32(row[from], row[from], row[from], 255));
+        }
+    }
+    ImGui::Dummy({pixel * ModelPreview::kWidth, pixel * ModelPreview::kHeight});
+}
+
 void draw_size(const ModelSize* size, double scale) {
     if (size == nullptr) return ImGui::TextUnformatted("reading the model ...");
     if (!size->error.empty()) return ImGui::TextWrapped("%s", size->error.c_str());
     const Eigen::Vector3d scaled = scale * size->size_m;
+    draw_preview_picture(size->preview);
     ImGui::TextWrapped("%.2f x %.2f x %.2f m, %zu triangles, %zu parts",
                        scaled.x(),
                        scaled.y(),
@@ -95,18 +119,24 @@ void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
             "The world server has no folder of saved worlds (its option world.saved_folder).");
     if (begin_list("##worlds")) {
         for (const bus::SavedWorld& world : worlds->worlds) {
-            const std::string line = world.name + "   " + std::to_string(world.num_objects) +
-                                     " objects, " + time_text(world.time);
-            if (!ImGui::Selectable(line.c_str(), world.name == world_)) continue;
+            if (!ImGui::Selectable(world.name.c_str(), world.name == world_)) continue;
             world_ = world.name;
             asks_load_ = false;
             std::snprintf(world_name_.data(), world_name_.size(), "%s", world_.c_str());
         }
         ImGui::EndListBox();
     }
+    // below the list: beside the name it would be cut
+    const auto chosen = std::find_if(worlds->worlds.begin(),
+                                     worlds->worlds.end(),
+                                     [&](const auto& w) { return w.name == world_; });
+    if (chosen != worlds->worlds.end())
+        ImGui::TextWrapped("%zu objects, saved %s",
+                           static_cast<std::size_t>(chosen->num_objects),
+                           time_text(chosen->time).c_str());
     ImGui::BeginDisabled(world_.empty());
     // loading replaces what everybody sees
-    const char* title = asks_load_ ? "really replace the world for everybody" : "load this world";
+    const char* title = asks_load_ ? "replace everybody's world?" : "load this world";
     if (ImGui::Button((std::string(title) + "###load").c_str(), {-1.0f, 0.0f})) {
         if (asks_load_) events.edit.load_world = world_;
         asks_load_ = !asks_load_;

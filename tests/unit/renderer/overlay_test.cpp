@@ -1,5 +1,6 @@
 #include "tests/unit/renderer/scene_renderer_fixture.hpp"
 
+#include <glad/gl.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -106,6 +107,23 @@ TEST_F(OverlayTest, LinesReachTheirEndsAndAreFaintBehindObjects) {
     const Eigen::Vector3d bare = pixel(kWidth / 2, line.low[1]);
     EXPECT_GT(hidden.y() - hidden.x(), 0.2) << "the line must show through the wall";
     EXPECT_LT(bare.y() - bare.x(), 0.05);
+}
+
+TEST_F(OverlayTest, LinesAreWiderInAHigherPicture) {
+    std::array<float, 2> range{};
+    glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range.data());
+    ASSERT_GE(range[1], 3.0F) << "Mesa draws wide lines";
+    ASSERT_TRUE(renderer_->resize(400, 2160));
+    const Eigen::Vector3f colour(0, 1, 0);
+    renderer_->overlay().set_lines(
+        std::vector<Line>{{{{-0.1F, 0, 1}, colour}, {{0.1F, 0, 1}, colour}}});
+    draw(camera_);
+    int num_rows = 0;
+    for (int y = 0; y < 2160; ++y) {
+        const Eigen::Vector3d at = pixel(200, y);
+        num_rows += at.y() > 0.9 && at.x() < 0.1 ? 1 : 0;
+    }
+    EXPECT_EQ(num_rows, 3);
 }
 
 TEST_F(OverlayTest, WiresAreTransparent) {

@@ -157,6 +157,18 @@ TEST_F(ViewerRun, ProxyInboxHasReadersOnlyWhileWanted) {
 }
 
 // The site exists, but no longer sends anything.
+TEST_F(ViewerRun, SlowPicturesAreNoSilenceOfASite) {
+    config_.view.max_fps = 1.0;
+    Site alice(*this);
+    testing::internal::CaptureStderr();
+    start();
+    const bool is_shown = show(alice, 3);
+    finish();
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_TRUE(is_shown) << log;
+    EXPECT_EQ(log.find("person_back"), std::string::npos) << log;
+}
+
 TEST_F(ViewerRun, PersonOfAStalledSiteFades) {
     start();
     Site alice(*this);

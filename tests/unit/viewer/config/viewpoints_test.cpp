@@ -212,6 +212,9 @@ TEST_F(UserFiles, RememberTheLastWorlds) {
     EXPECT_EQ(read_back.list()[1].world, "world-11");
     EXPECT_EQ(read_back.list()[1].domain, 11U);
     EXPECT_EQ(read_back.list()[1].network, "lan");
+    EXPECT_TRUE(recent.forget(again));
+    EXPECT_EQ(RecentWorlds(file_).list()[0].world, "world-11");
+    EXPECT_EQ(RecentWorlds(file_).list().size(), RecentWorlds::kMax - 1);
     write("[[world]]\nname = \"no spaces allowed\"\n");
     EXPECT_TRUE(RecentWorlds(file_).list().empty());
     EXPECT_TRUE(fs::exists(file_.string() + ".damaged"));

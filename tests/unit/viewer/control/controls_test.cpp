@@ -70,6 +70,22 @@ TEST(Controls, FlyingForwardMovesTheTargetToo) {
     EXPECT_GT(way.dot((kStartView.target_m - kStartView.position_m).normalized()), 0.5);
 }
 
+TEST(Controls, OrbitAndZoomKeepTheEyeAboveTheFloor) {
+    renderer::ViewCamera camera = kStartView;
+    for (int i = 0; i < 100; ++i) {
+        camera = apply({.turn_px = {3.0, -20.0}, .zoom_steps = i < 50 ? 0.0 : -1.0}, camera);
+        ASSERT_GE(camera.position_m.z(), 0.049) << i;
+    }
+    EXPECT_EQ(camera.target_m, kStartView.target_m);
+    EXPECT_NEAR(distance(camera), 50.0, 1e-6) << "zooming must still work";
+    const auto raised = apply({.turn_px = {0.0, 20.0}}, camera);
+    EXPECT_GT(raised.position_m.z(), camera.position_m.z() + 1.0) << "the way back is open";
+    // whoever flew below the floor may look around there
+    renderer::ViewCamera below = kStartView;
+    below.position_m.z() = -1.0;
+    EXPECT_LT(apply({.turn_px = {10.0, -5.0}}, below).position_m.z(), -1.0);
+}
+
 TEST(Controls, NeverTipTheEyeOver) {
     std::mt19937 random(5);
     std::uniform_real_distribution<> any(-400.0, 400.0);

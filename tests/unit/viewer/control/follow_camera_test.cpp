@@ -65,6 +65,15 @@ TEST(FollowCamera, KeepsAViewThatTheUserMovesWhileFollowing) {
     EXPECT_LT((moved.position_m - camera.position_m).norm(), 1e-6);
 }
 
+TEST(FollowCamera, LooksAheadInTheEyesOfAPersonAlone) {
+    FollowCamera follow_camera;
+    const FollowCamera::Places places{{"bob", standing_at(2, 2)}};
+    follow_camera.toggle_first_person(1, places);
+    const ViewCamera camera = follow_camera.update(kCamera, places, kFirstMesh);
+    EXPECT_LT((camera.target_m - camera.position_m - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-9)
+        << "as the camera looked before";
+}
+
 TEST(FollowCamera, SeesThroughTheEyesOfTheChosenPerson) {
     FollowCamera follow_camera;
     FollowCamera::Places places{{"alice", standing_at(-0.4, 0)}, {"bob", standing_at(2, 2)}};
@@ -75,7 +84,9 @@ TEST(FollowCamera, SeesThroughTheEyesOfTheChosenPerson) {
     ViewCamera camera = follow_camera.update(kCamera, places, kFirstMesh);
     EXPECT_LT((camera.position_m - places["bob"].eyes).norm(), 1e-12);
     EXPECT_NEAR(camera.target_m.z(), camera.position_m.z(), 1e-12) << "level";
-    EXPECT_LT((camera.target_m - camera.position_m - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-9);
+    Eigen::Vector3d to_alice = places["alice"].eyes - places["bob"].eyes;
+    EXPECT_LT((camera.target_m - camera.position_m - to_alice.normalized()).norm(), 1e-9)
+        << "towards the other person";
     // a head that flickers by 5 cm between pictures hardly moves the view
     auto now = kFirstMesh;
     double shaken_m = 0.0;
@@ -86,6 +97,14 @@ TEST(FollowCamera, SeesThroughTheEyesOfTheChosenPerson) {
         camera = next;
     }
     EXPECT_LT(shaken_m, 0.01);
+    follow_camera.leave_eyes();
+    EXPECT_FALSE(follow_camera.is_first_person());
+    camera = follow_camera.update(camera, places, now += milliseconds(16));
+    EXPECT_EQ(camera, kCamera) << "outside the person again";
+    follow_camera.leave_eyes();
+    EXPECT_EQ(follow_camera.update(camera, places, now += milliseconds(16)), kCamera);
+    follow_camera.toggle_first_person(2, places);
+    camera = follow_camera.update(camera, places, now += milliseconds(16));
     follow_camera.toggle_first_person(2, places);
     EXPECT_FALSE(follow_camera.is_first_person()) << "the same number again must leave the eyes";
     camera = follow_camera.update(camera, places, now += milliseconds(16));

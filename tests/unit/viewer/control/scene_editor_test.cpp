@@ -50,6 +50,13 @@ TEST(NewObject, IsInThePictureAfterItHasFallen) {
             renderer::project_px(camera, {at.x(), at.y(), 0.15}, 640, 360);
         EXPECT_GT(lying.y(), 0.0);
         EXPECT_LT(lying.y(), 340.0);
+        NewObject tall = wanted;
+        tall.shape = bus::Shape::kBox;
+        tall.size_m = {0.4, 0.4, 1.0};
+        const auto under = make_object(tall, eye).world_from_object.translation;
+        const Eigen::Vector2d foot =
+            renderer::project_px(camera, {under.x(), under.y(), 0.0}, 640, 360);
+        EXPECT_LE(foot.y(), 324.5) << "its foot is in the picture too";
         const double away_m = (at - camera.position_m).head<2>().norm();
         EXPECT_GT(away_m, before_m) << "a flatter view must place the object farther away";
         before_m = away_m;

@@ -148,5 +148,12 @@ TEST(AdaptiveQuality, NeverExceedsTheBestQuality) {
     EXPECT_EQ(sut.level(), 0U);
 }
 
+TEST(AdaptiveQuality, IsDescribedForLogAndUser) {
+    const PictureQuality reduced{.max_fps = 15.0, .scale = 0.75, .has_shadows = false};
+    EXPECT_EQ(to_string(reduced), "fps=15 scale=0.75 shadows=off");
+    EXPECT_EQ(describe(reduced), "15 pictures/s, 75 % of the resolution, no shadows");
+    EXPECT_EQ(describe({.max_fps = 30.0}), "30 pictures/s");
+}
+
 }  // namespace
 }  // namespace atrium::viewer

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <map>
 
 namespace atrium::viewer {
 namespace {
@@ -43,8 +44,41 @@ TEST(ModelFolder, ListsModelsOfAllFoldersAndMeasuresThem) {
     }));
     EXPECT_TRUE(folder.size_of("models/tetra.obj")->size_m.isApprox(Eigen::Vector3d(2, 0.5, 1)));
     EXPECT_EQ(folder.size_of("models/tetra.obj")->num_triangles, 4U);
+    EXPECT_FALSE(folder.size_of("models/tetra.obj")->preview.greys.empty());
+    EXPECT_TRUE(folder.size_of("models/deep/broken.obj")->preview.greys.empty());
     EXPECT_THAT(folder.size_of("models/deep/broken.obj")->error, testing::HasSubstr("broken.obj"));
     fs::remove_all(root);
+}
+
+// A cube shows three faces of three greys, the brightest on top.
+TEST(ModelPreview, ShowsTheFacesTowardsTheEye) {
+    model::ModelPart cube;
+    for (int i = 0; i < 8; ++i) cube.mesh.vertices.emplace_back(i & 1, (i >> 1) & 1, (i >> 2) & 1);
+    cube.mesh.triangles = {{0, 1, 3},
+                           {0, 3, 2},
+                           {4, 5, 7},
+                           {4, 7, 6},
+                           {0, 1, 5},
+                           {0, 5, 4},
+                           {2, 3, 7},
+                           {2, 7, 6},
+                           {0, 2, 6},
+                           {0, 6, 4},
+                           {1, 3, 7},
+                           {1, 7, 5}};
+    const ModelPreview preview = draw_preview({cube});
+    ASSERT_EQ(preview.greys.size(),
+              std::size_t{ModelPreview::kWidth} * std::size_t{ModelPreview::kHeight});
+    std::map<int, int> num_of;
+    for (const std::uint8_t grey : preview.greys) ++num_of[grey];
+    EXPECT_EQ(num_of.size(), 4U) << "three faces and the background";
+    for (const auto& [grey, num] : num_of) EXPECT_GT(num, 300) << grey;
+    const auto at = [&](int x, int y) {
+        return preview.greys[static_cast<std::size_t>(y * ModelPreview::kWidth + x)];
+    };
+    EXPECT_EQ(at(ModelPreview::kWidth / 2, 15), num_of.rbegin()->first) << "the upper face";
+    EXPECT_EQ(at(2, 2), ModelPreview::kBackground);
+    EXPECT_TRUE(draw_preview({}).greys.empty());
 }
 
 }  // namespace

@@ -138,6 +138,21 @@ TEST(SiteLines, ShowRatesAndStates) {
     EXPECT_TRUE(lines[0].is_solo && lines[0].is_shown && !lines[2].is_shown);
 }
 
+TEST(SiteLines, TellWhoLeft) {
+    const auto line = [](const char* name, std::size_t number) {
+        SiteLine made;
+        made.name = name;
+        made.number = number;
+        return made;
+    };
+    const std::vector<SiteLine> before{
+        line("alice", 1), line("bob", 2), line("carol", 3), line("empty", 0)};
+    EXPECT_EQ(text_of_left(before, before), "");
+    EXPECT_EQ(text_of_left(before, {line("alice", 0), line("carol", 1)}), "alice, bob left")
+        << "alice's room is still there";
+    EXPECT_EQ(text_of_left({}, before), "");
+}
+
 TEST(SiteLines, AreBounded) {
     std::set<std::string> names;
     for (int i = 0; i < 1000; ++i) names.insert("site-" + std::to_string(i));

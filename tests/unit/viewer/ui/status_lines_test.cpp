@@ -57,6 +57,13 @@ TEST(StatusLines, WarnWhileTheWorldIsGone) {
     StatusLines lines;
     EXPECT_FALSE(lines.watch_world(kFirstLine));
     EXPECT_TRUE(lines.warnings().empty()) << "no world was there before";
+    lines.watch_world(kFirstLine + seconds(3));
+    EXPECT_TRUE(lines.warnings().empty()) << "it may not be discovered yet";
+    lines.watch_world(kFirstLine + seconds(5));
+    EXPECT_THAT(texts(lines.warnings()),
+                testing::ElementsAre("no world server in this world: no objects"));
+    lines = StatusLines();
+    EXPECT_FALSE(lines.watch_world(kFirstLine));
     EXPECT_FALSE(lines.has_world());
     EXPECT_FALSE(lines.watch_world(kFirstLine, kFirstLine));
     EXPECT_TRUE(lines.has_world());

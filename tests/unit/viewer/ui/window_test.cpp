@@ -4,7 +4,10 @@
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/ui/surface.hpp"
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
+#include <imgui.h>
 
 #include <optional>
 #include <set>
@@ -115,6 +118,8 @@ TEST_F(ViewerWindow, ShowsThePictureAndFollowsResizes) {
 TEST_F(ViewerWindow, EscapeAndTheFrameCloseIt) {
     EXPECT_FALSE(draw().close);
     display_->press_escape(kTitle);
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().close) << "it asks first";
+    display_->press_escape(kTitle);
     EXPECT_TRUE(comes_true([&] { return draw().close; }));
     close();
     EXPECT_TRUE(comes_true([&] { return !display_->size_of(kTitle); }));
@@ -157,6 +162,64 @@ TEST_F(ViewerWindow, ReportsItsKeys) {
         const SurfaceEvents e = draw();
         return asks(e, Ask::kKeep) && e.viewpoint->number == 3;
     }));
+}
+
+TEST_F(ViewerWindow, EscapeLeavesTheEyesOfAPersonFirst) {
+    figures_.inside = "alice";
+    draw();
+    display_->press_escape(kTitle);
+    EXPECT_TRUE(comes_true([&] {
+        const SurfaceEvents events = draw();
+        EXPECT_FALSE(events.close);
+        return events.leave_eyes;
+    }));
+}
+
+// Pictures may take longer than a tap on a key or a click.
+TEST_F(ViewerWindow, SeesTapsAndClicksBetweenTwoPictures) {
+    display_->point_at(kTitle, 600, 100);
+    for (int i = 0; i < 3; ++i) draw();
+    display_->hold_button(kTitle, true);
+    display_->hold_button(kTitle, false);
+    int num_down = 0;
+    for (int i = 0; i < 20; ++i) num_down += draw().pointer.is_down ? 1 : 0;
+    EXPECT_EQ(num_down, 1);
+    bool is_seen = false;
+    const auto look = [&] {
+        window_->poll();
+        window_->show_layout([&] { is_seen |= ImGui::IsKeyPressed(GLFW_KEY_ENTER, false); });
+    };
+    display_->press(kTitle, "Return");
+    EXPECT_TRUE(comes_true([&] {
+        look();
+        return is_seen;
+    }));
+    is_seen = false;
+    for (int i = 0; i < 5; ++i) look();
+    EXPECT_FALSE(is_seen) << "it is released";
+}
+
+// The list is at the lower right. The test finds its buttons by clicking.
+TEST_F(ViewerWindow, RenamesAViewpointWithoutTakingItsLettersForKeys) {
+    figures_.viewpoints = {{1, "view 1", true}};
+    display_->press(kTitle, "k");
+    for (int i = 0; i < 10; ++i) draw();
+    std::optional<ViewpointEvent> renamed;
+    for (int x = 620; x > 500 && !renamed; x -= 20) {
+        click(x, 277);
+        for (int i = 0; i < 5; ++i) draw();  // the field appears
+        for (const char* key : {"n", "b", "Return"}) {
+            display_->press(kTitle, key);
+            for (int i = 0; i < 5; ++i) {
+                const SurfaceEvents events = draw();
+                if (events.viewpoint && events.viewpoint->kind == ViewpointEvent::Kind::kRename)
+                    renamed = events.viewpoint;
+            }
+        }
+    }
+    ASSERT_TRUE(renamed);
+    EXPECT_EQ(renamed->number, 1);
+    EXPECT_EQ(renamed->name, "nb");
 }
 
 // The list is at the lower left. The test finds its boxes by clicking.
@@ -292,11 +355,22 @@ TEST_F(ViewerWindow, PanelOfTheSelectedObjectChangesItOnceAndEscapeDeselects) {
         return changed;
     };
     std::optional<bus::SceneObject> changed;
-    for (int y = 90; y < 340 && !changed; y += 8) changed = fixed_by_click(y);
+    int y = 90;
+    for (; y < 340 && !changed; y += 8) changed = fixed_by_click(y);
     ASSERT_TRUE(changed);
     EXPECT_EQ(changed->object, 7U);
     EXPECT_EQ(changed->mass_kg, 0.0);
     EXPECT_EQ(changed->size_m, Eigen::Vector3d(0.3, 0.2, 0.1)) << "bit for bit";
+    const auto has_picker = [] {
+        return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
+    };
+    for (; y < 340 && !has_picker(); y += 8) fixed_by_click(y);
+    ASSERT_TRUE(has_picker()) << "of the colour";
+    display_->press_escape(kTitle);
+    EXPECT_TRUE(comes_true([&] {
+        EXPECT_FALSE(draw().edit.cancel) << "the object stays selected";
+        return !has_picker();
+    }));
     display_->press_escape(kTitle);
     EXPECT_TRUE(comes_true([&] {
         const SurfaceEvents events = draw();
