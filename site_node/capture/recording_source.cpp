@@ -54,6 +54,22 @@ tl::unexpected<Error> wrong_size(const fs::path& file,
                                   expected.height));
 }
 
+// True if people are black: foreground covers most of the picture and nearly all of its border.
+bool looks_inverted(const image::Mask& mask) {
+    constexpr double kMost = 0.5;
+    constexpr double kNearlyAll = 0.9;
+    const int last_x = mask.width - 1;
+    const int last_y = mask.height - 1;
+    int border = 0;
+    for (int x = 0; x <= last_x; ++x)
+        border += (mask.row(0)[x] != 0 ? 1 : 0) + (mask.row(last_y)[x] != 0 ? 1 : 0);
+    for (int y = 0; y <= last_y; ++y)
+        border += (mask.row(y)[0] != 0 ? 1 : 0) + (mask.row(y)[last_x] != 0 ? 1 : 0);
+    const auto num = std::count(mask.data.begin(), mask.data.end(), std::uint8_t{255});
+    return border > kNearlyAll * 2 * (mask.width + mask.height) &&
+           static_cast<double>(num) > kMost * static_cast<double>(mask.data.size());
+}
+
 }  // namespace
 
 // Pictures of one camera, and optional masks beside them.
@@ -79,6 +95,7 @@ public:
                 return tl::unexpected(read.error());
             if (auto fits = track->check_mask(mask, first); !fits)
                 return tl::unexpected(fits.error());
+            track->has_inverted_masks_ = looks_inverted(mask);
         }
         return track;
     }
@@ -86,6 +103,7 @@ public:
     std::size_t num_frames() const { return pictures_.num_pictures(); }
     bool is_video() const { return pictures_.is_video(); }
     bool has_masks() const { return masks_.has_value(); }
+    bool has_inverted_masks() const { return has_inverted_masks_; }
 
     Expected<CameraFrame> read(std::size_t index) {
         CameraFrame frame;
@@ -129,6 +147,7 @@ private:
     geometry::PinholeCamera expected_;
     PictureFile pictures_;
     std::optional<PictureFile> masks_;
+    bool has_inverted_masks_ = false;
 };
 
 RecordingSource::RecordingSource(config::Rig rig) : rig_(std::move(rig)), counters_(rig_) {}
@@ -162,6 +181,16 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
                         options.folder.string()));
     }
     source->has_silhouettes_ = num_with_masks != 0;
+    // one camera may be close to somebody, all of them cannot
+    if (std::ranges::all_of(source->tracks_,
+                            [](const auto& track) { return track->has_inverted_masks(); })) {
+        return make_error(
+            ErrorKind::kInvalidData,
+            fmt::format("recording '{0}': the masks look inverted: white covers the borders of the "
+                        "pictures, but people must be white; invert them, for example with mogrify "
+                        "-negate {0}/*/silhouettes/*.png",
+                        options.folder.string()));
+    }
     if (source->num_frames_ == 0 || source->num_frames_ > kMaxFrames) {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("recording '{}': holds no frames", options.folder.string()));

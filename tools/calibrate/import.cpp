@@ -115,6 +115,26 @@ Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
     return material;
 }
 
+// A calibration becomes a file, a recording a folder.
+Expected<void> check_output(const ImportOptions& options) {
+    std::error_code failure;
+    const bool is_folder = fs::is_directory(options.output, failure);
+    if (options.recording.empty() && is_folder) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{0}: -o names a folder, but without --recording it is the "
+                                      "rig.toml to write, for example -o {1}",
+                                      options.output.string(),
+                                      (options.output / "rig.toml").string()));
+    }
+    if (!options.recording.empty() && !is_folder && fs::exists(options.output, failure)) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: -o names a file, but with --recording it is the folder "
+                                      "of the new recording",
+                                      options.output.string()));
+    }
+    return {};
+}
+
 Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions& options) {
     std::error_code failure;
     if (fs::equivalent(options.output, options.recording, failure)) {
@@ -143,8 +163,10 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     const std::string text = rig_text(conclusion->rig, comments(foreign, options, *conclusion));
     if (auto written = write_text(rig_file, text, options.force); !written)
         return tl::unexpected(written.error());
-    if (auto proven = prove(options.output, material->first_complete); !proven)
+    if (auto proven = prove(options.output, material->first_complete); !proven) {
+        fs::remove(rig_file, failure);  // not complete
         return tl::unexpected(proven.error());
+    }
     ImportReport report{
         material->told, material->checks, material->problems, next_commands(options)};
     append(report.told, conclusion->told);
@@ -162,6 +184,7 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
 }  // namespace
 
 Expected<ImportReport> import(const ImportOptions& options) {
+    if (auto checked = check_output(options); !checked) return tl::unexpected(checked.error());
     const auto files = with_folders_opened(options.files);
     if (!files) return tl::unexpected(files.error());
     auto foreign = read_foreign(*files, options.format);

@@ -15,8 +15,11 @@ int main(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
         constexpr int kExitUsage = 2;
-        return app.exit(error) == 0 ? 0 : kExitUsage;
+        std::fprintf(
+            stderr, "calibrate: error: %s\n", calibrate::usage_error(app, error.what()).c_str());
+        return kExitUsage;
     }
     app::log::set_program("calibrate");
     app::log::set_level(app::log::Level::kWarn);

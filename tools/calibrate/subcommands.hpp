@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include <functional>
+#include <string>
 
 /// The subcommands of `calibrate`, one file each. Each adds itself to the command line, and sets
 /// `action` if it is chosen.
@@ -15,5 +16,9 @@ using Action = std::function<Expected<void>()>;
 
 void add_import(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
+
+/// The text for a command line that does not parse, from CLI11's reason: what is unexpected, with
+/// the name that is probably meant, or what is missing, with its meaning.
+std::string usage_error(const CLI::App& app, const std::string& reason);
 
 }  // namespace atrium::calibrate

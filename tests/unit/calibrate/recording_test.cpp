@@ -101,6 +101,11 @@ TEST_F(ImportedRecording, RefusesFoldersWithoutPicturesOfTheCameras) {
     EXPECT_THAT(import(options_).error().message, AllOf(HasSubstr("a/cam1"), HasSubstr("b/cam1")));
     options_.output = options_.recording;
     EXPECT_THAT(import(options_).error().message, HasSubstr("another -o"));
+    options_.recording = folder_.path() / "cam2";
+    for (int i = 0; i < 2; ++i) write_picture(take(fmt::format("{:04}.png", i)), 64, 48, 40);
+    options_.output = folder_.path() / "made";
+    EXPECT_THAT(import(options_).error().message,
+                AllOf(HasSubstr("camera 'cam2' alone"), HasSubstr("give the one above it")));
 }
 
 TEST_F(ImportedRecording, LearnsTheRoomFromManyPicturesWithPeople) {

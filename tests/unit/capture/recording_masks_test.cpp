@@ -145,6 +145,20 @@ TEST_F(MasksOnDisk, OfWrongNamesAreNamedWithTheRightOnes) {
                 HasSubstr("a/silhouettes: found img_0001.png; wants 000000.png"));
 }
 
+TEST_F(MasksOnDisk, OfPeopleInBlackAreRefused) {
+    cv::Mat inverted(kMaskHeight, kMaskWidth, CV_8UC1, cv::Scalar(255));
+    inverted(cv::Rect(20, 0, 12, 40)) = 0;  // a person who is cut by the upper border
+    for (const char* camera : {"a", "b"})
+        write(fs::path(camera) / "silhouettes/000000.png", inverted);
+    const auto source = RecordingSource::open({folder_});
+    ASSERT_FALSE(source);
+    EXPECT_THAT(source.error().message, HasSubstr("the masks look inverted"));
+    // one camera may be close to somebody
+    write("b/silhouettes/000000.png", half(CV_8UC1, 255, 0));
+    EXPECT_TRUE(RecordingSource::open({folder_}));
+    EXPECT_TRUE(RecordingSource::open({.folder = folder_, .ignore_silhouettes = true}));
+}
+
 TEST_F(MasksOnDisk, AMissingCameraIsNamedByItsFolder) {
     fs::remove_all(folder_ / "b");
     const auto source = RecordingSource::open({folder_});

@@ -1,5 +1,7 @@
 #include "tools/calibrate/recording/gather.hpp"
 
+#include "tools/calibrate/recording/words.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,17 +17,6 @@ namespace fs = std::filesystem;
 // Fewest pictures with people in them from which a site learns the empty room: as
 // site_node/occupied_room/learn_occupied_room.hpp.
 constexpr std::size_t kFewestToLearnFrom = 8;
-
-std::string listed(const std::vector<std::string>& names) {
-    std::string text;
-    for (std::size_t i = 0; i < names.size() && i < 12; ++i)
-        text += (i == 0 ? "'" : ", '") + names[i] + "'";
-    return names.size() > 12 ? text + ", ..." : text;
-}
-
-std::string counted(std::size_t number, const char* one) {
-    return fmt::format("{} {}{}", number, one, number == 1 ? "" : "s");
-}
 
 bool is_below(const fs::path& path, const fs::path& folder) {
     std::error_code failure;
@@ -104,12 +95,19 @@ Expected<void> Gatherer::gather_frames() {
             const Shots& chosen = entry.second;
             return chosen.label == shots.label || (chosen.is_alone && chosen.path == shots.path);
         });
-        if (!shots.is_alone && !is_taken) labels.push_back(shots.label);
+        if (!shots.is_alone && !is_taken)
+            labels.push_back(shots.label.empty() ? shots.path.filename().string() : shots.label);
     }
     if (material_.frames.size() < 2) {
         std::string aside;
         if (!rooms_.empty()) aside += "; pictures of the empty room, by name: " + rooms_[0].label;
         if (!masks_.empty()) aside += "; masks, by name: " + masks_[0].label;
+        const std::string own = fs::weakly_canonical(folders_.frames).filename().string();
+        for (const std::string& camera : cameras_) {
+            if (likeness(camera, own, {}) < 90) continue;
+            aside += "; this looks like the folder of camera '" + camera +
+                     "' alone: give the one above it, which holds all cameras";
+        }
         return make_error(
             ErrorKind::kConfiguration,
             fmt::format("{}: no pictures of {}; found {}{}; give videos or folders the names of "

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+/// Parts of sentences about pictures.
+namespace atrium::calibrate {
+
+/// "'cam1', 'cam2'", of at most 12.
+inline std::string listed(const std::vector<std::string>& names) {
+    std::string text;
+    for (std::size_t i = 0; i < names.size() && i < 12; ++i)
+        text += (i == 0 ? "'" : ", '") + names[i] + "'";
+    return names.size() > 12 ? text + ", ..." : text;
+}
+
+/// "1 picture", "2 pictures".
+inline std::string counted(std::size_t number, const char* one) {
+    return fmt::format("{} {}{}", number, one, number == 1 ? "" : "s");
+}
+
+}  // namespace atrium::calibrate
