@@ -109,6 +109,7 @@ Expected<HullStage> HullStage::create(std::span<const geometry::CalibratedCamera
         return tl::unexpected(counted.error());
     HullStage stage;
     stage.options_.bounds = options.bounds;
+    stage.are_bounds_optional_ = options.bounds && !options.partial_views;
     stage.options_.min_views = options.min_views;
     stage.options_.keep_phantoms = options.keep_phantoms;
     stage.options_.min_component_volume_m3 = options.min_component_l / kLitresPerM3;
@@ -181,6 +182,28 @@ Expected<void> HullStage::add_fields(std::span<const geometry::CalibratedCamera>
     return {};
 }
 
+// Bounds cost as much as two more cameras. Where they cut nothing, the hull is the same without
+// them, so they are used only while they cut.
+void HullStage::compute_within_bounds(Executor& executor, hull::VisualHull& hull) {
+    constexpr int kBoundedMetaframes = 30;
+    if (are_bounds_optional_ && num_bounded_left_-- <= 0) {
+        hull::HullOptions without = options_;
+        without.bounds.reset();
+        hull::compute_visual_hull(pointers_, without, hull_scratch_, executor, hull);
+        const geometry::Aabb box = geometry::bounds(hull.mesh);
+        const bool is_same =
+            hull.status == hull::HullStatus::kEmptyIntersection ||
+            (hull.status == hull::HullStatus::kOk && options_.bounds->contains(box.min) &&
+             options_.bounds->contains(box.max));
+        if (is_same) {
+            num_bounded_left_ = 0;
+            return;
+        }
+        num_bounded_left_ = kBoundedMetaframes;
+    }
+    hull::compute_visual_hull(pointers_, options_, hull_scratch_, executor, hull);
+}
+
 void HullStage::compute(std::span<const std::uint8_t> delivered,
                         Executor& executor,
                         hull::VisualHull& hull) {
@@ -200,7 +223,7 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
         }
     }
     if (regions_.empty()) {
-        hull::compute_visual_hull(pointers_, options_, hull_scratch_, executor, hull);
+        compute_within_bounds(executor, hull);
         return;
     }
     hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);

@@ -80,6 +80,7 @@ public:
 
 private:
     HullStage() = default;
+    void compute_within_bounds(Executor& executor, hull::VisualHull& hull);
     Expected<void> add_regions(std::span<const geometry::CalibratedCamera> cameras,
                                const HullStageOptions& options);
     Expected<void> add_fields(std::span<const geometry::CalibratedCamera> cameras,
@@ -88,6 +89,8 @@ private:
 
     hull::HullOptions options_;
     std::uint32_t min_delivered_ = 2;
+    bool are_bounds_optional_ = false;         // the cameras alone limit the hull
+    int num_bounded_left_ = 0;                 // metaframes until it is tried without bounds again
     std::vector<hull::SilhouetteView> views_;  // one per camera
     std::vector<hull::Region> regions_;
     std::vector<const hull::SilhouetteView*> pointers_;

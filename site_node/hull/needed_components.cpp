@@ -18,6 +18,7 @@ constexpr std::uint32_t kLeastInnerShare =
     128;                                  // of a component's own, at least one part in so many
 constexpr std::uint32_t kLeastThin = 32;  // cells of a part too thin for inner ones
 constexpr int kLeastViews = 3;            // cones of two cameras meet nearly everywhere
+constexpr double kDominant = 0.9;         // of all volume: others cannot explain so much
 constexpr std::uint32_t kNone = 0xffffffffu;
 
 constexpr std::uint64_t bit(std::size_t i) { return std::uint64_t{1} << i; }
@@ -47,6 +48,16 @@ void fill_triangle(std::array<Eigen::Vector2f, 3> p,
         std::uint64_t* const cells_of_row = cells + std::ptrdiff_t{row} * width;
         for (int x = begin; x < end; ++x) cells_of_row[x] |= bits;
     }
+}
+
+// True for triangles that cover no cell of the raster, and for some with NaN.
+bool is_beside(const std::array<Eigen::Vector2f, 3>& p, int width, int height) {
+    const auto beside = [&](int axis, int size) {
+        const float end = static_cast<float>(size);
+        return (p[0][axis] < 0.0f && p[1][axis] < 0.0f && p[2][axis] < 0.0f) ||
+               (p[0][axis] > end && p[1][axis] > end && p[2][axis] > end);
+    };
+    return beside(0, width) || beside(1, height);
 }
 
 void count(std::uint64_t set, std::array<std::uint32_t, 64>& counts) {
@@ -86,6 +97,9 @@ void NeededComponents::find_components(const geometry::TriangleMesh& mesh) {
         return a.six_volumes > b.six_volumes || (a.six_volumes == b.six_volumes && a.root < b.root);
     });
     for (std::uint32_t i = 0; i < components_.size(); ++i) new_index_[components_[i].root] = i;
+    double sum = 0.0;
+    for (const Component& component : components_) sum += component.six_volumes;
+    has_dominant_ = components_.front().six_volumes > kDominant * sum;
     bit_of_.resize(num_vertices);
     for (std::uint32_t v = 0; v < num_vertices; ++v) {
         bit_of_[v] = static_cast<std::uint8_t>(
@@ -93,7 +107,8 @@ void NeededComponents::find_components(const geometry::TriangleMesh& mesh) {
     }
 }
 
-// Projects the vertices and lays the raster around the components, within the field of the view.
+// Projects the vertices and lays the raster around the components, within the field of the view. A
+// dominant one is drawn only where the others are.
 void NeededComponents::project(const SilhouetteView& view,
                                const geometry::TriangleMesh& mesh,
                                Raster& raster) const {
@@ -122,7 +137,7 @@ void NeededComponents::project(const SilhouetteView& view,
     for (std::size_t c = 0; c < num; ++c) {
         if (!view.field.empty()) boxes[c] = boxes[c].intersection(field);
         if (boxes[c].isEmpty()) continue;
-        all.extend(boxes[c]);
+        if (c > 0 || !has_dominant_) all.extend(boxes[c]);
         largest_px = std::max(largest_px, boxes[c].sizes().maxCoeff());
     }
     raster.width = raster.height = 0;
@@ -148,6 +163,7 @@ void NeededComponents::draw(const SilhouetteView& view,
         // one side of a closed surface covers as much as both; NaN is on neither
         const Eigen::Vector2f u = p[1] - p[0];
         const Eigen::Vector2f w = p[2] - p[0];
+        if (is_beside(p, raster.width, raster.height)) continue;
         if (u.x() * w.y() - u.y() * w.x() > 0.0f)
             fill_triangle(p, raster.width, raster.height, bit(bit_of_[a]), raster.cells.data());
     }
@@ -162,7 +178,8 @@ void NeededComponents::measure(Raster& raster, Kind kind, Set alive, Set explain
     const int width = raster.width;
     const auto of = [&](Set cell) {
         const Set here = cell & alive;
-        if (kind == Kind::kAlone && !std::has_single_bit(here)) return Set{0};
+        // without std::has_single_bit, which calls a function on processors without popcnt
+        if (kind == Kind::kAlone && (here & (here - 1)) != 0) return Set{0};
         return (here & explaining) != 0 ? Set{0} : here;
     };
     // of each cell what it has in common with its neighbours on the left and right
@@ -225,6 +242,7 @@ NeededComponents::Set NeededComponents::choose(Set all) {
     }
     Set alive = all;
     Set sure = all & ~droppable;
+    if (has_dominant_) sure |= bit(0);
     while (true) {
         const Set before = alive & ~sure;
         if (before == 0) return alive;

@@ -20,7 +20,8 @@ namespace atrium::hull {
 ///
 /// A component explains the pixels that it covers. It is needed in a view if a compact area there,
 /// or most of what it covers, is explained by no other component that is kept. Slivers along
-/// outlines, left by noise and calibration errors, do not count. See docs/design/hull.md.
+/// outlines, left by noise and calibration errors, do not count. A component with nine tenths of
+/// the volume is always kept: others are compared with it. See docs/design/hull.md.
 ///
 /// Reuse one object; it allocates only while it grows. Not thread-safe.
 class NeededComponents {
@@ -69,6 +70,7 @@ private:
     std::vector<std::uint32_t> parent_;  // by vertex
     std::vector<std::uint8_t> bit_of_;   // by vertex: its component, largest first
     std::vector<Component> components_;  // largest first
+    bool has_dominant_ = false;          // the first one holds nearly all volume, and is kept
     std::vector<Raster> rasters_;        // by view
     std::size_t num_views_ = 0;
     std::vector<std::uint32_t> new_index_;  // by vertex

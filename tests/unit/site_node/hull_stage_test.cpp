@@ -69,6 +69,51 @@ TEST(HullStage, AllowsBoundsBesideTheMaximumOfCameras) {
                 testing::AllOf(HasSubstr("hull.bounds"), HasSubstr("62"), HasSubstr("63")));
 }
 
+// Bounds cost nothing where they cut nothing, and cut from the first metaframe on in which they
+// must.
+TEST(HullStage, CutsAtTheBoundsExactlyWhileTheHullReachesOut) {
+    const auto rig = atrium::test::make_ring_rig({.num_cameras = 6});
+    HullStageOptions with;
+    with.bounds = kRoom;
+    auto bounded = HullStage::create(rig, with, kTolerance_px);
+    auto unbounded = HullStage::create(rig, {}, kTolerance_px);
+    ASSERT_TRUE(bounded && unbounded);
+    const std::vector<std::uint8_t> all(rig.size(), 1);
+    SerialExecutor executor;
+    hull::VisualHull cut;
+    hull::VisualHull whole;
+    int num_cut = 0;
+    for (int i = 0; i < 120; ++i) {
+        // walks across the border of the room, stays outside for a while, and comes back
+        const double x = i < 20 ? 0.0 : i < 30 ? 0.1 * (i - 20) : i < 60 ? 0.9 : 0.2;
+        for (std::size_t v = 0; v < rig.size(); ++v) {
+            const auto outline =
+                atrium::test::outline_of(atrium::test::Sphere{{x, 0.0, 0.9}, 0.3}, rig[v], 30);
+            bounded->contours(v) = {outline};
+            unbounded->contours(v) = {outline};
+        }
+        bounded->compute(all, executor, cut);
+        unbounded->compute(all, executor, whole);
+        ASSERT_EQ(cut.status, hull::HullStatus::kOk);
+        ASSERT_EQ(whole.status, hull::HullStatus::kOk);
+        const geometry::Aabb box = geometry::bounds(whole.mesh);
+        const bool reaches_out = box.max.x() > kRoom.max.x();
+        num_cut += reaches_out;
+        EXPECT_LE(geometry::bounds(cut.mesh).max.x(), kRoom.max.x() + 1e-6) << i;
+        if (reaches_out) {
+            EXPECT_LT(geometry::volume_m3(cut.mesh), geometry::volume_m3(whole.mesh)) << i;
+        } else {
+            EXPECT_NEAR(geometry::volume_m3(cut.mesh), geometry::volume_m3(whole.mesh), 1e-9) << i;
+        }
+        if (i < 20 || i >= 100) {  // no trace of the bounds
+            EXPECT_EQ(cut.mesh.vertices, whole.mesh.vertices) << i;
+            EXPECT_EQ(cut.mesh.triangles, whole.mesh.triangles) << i;
+        }
+    }
+    EXPECT_GT(num_cut, 30);
+    EXPECT_LT(num_cut, 50);
+}
+
 class TwoBodies : public testing::Test {
 protected:
     TwoBodies() {
