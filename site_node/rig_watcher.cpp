@@ -12,6 +12,8 @@ namespace atrium::site_node {
 namespace {
 
 constexpr auto kLookPeriod = std::chrono::seconds(1);
+constexpr auto kRarePeriod = std::chrono::seconds(5);
+constexpr std::size_t kWell = 20;  // good looks until they become rare
 constexpr auto kLastDiagnosis = std::chrono::seconds(3);
 constexpr int kLowestPriority = 19;  // of nice(2); on Linux per thread
 
@@ -29,7 +31,7 @@ RigWatcher::~RigWatcher() {
 
 bool RigWatcher::wants_look(Clock::time_point now) {
     if (now < due_) return false;
-    due_ = now + kLookPeriod;
+    due_ = now + (is_well_ ? kRarePeriod : kLookPeriod);
     return true;
 }
 
@@ -47,6 +49,7 @@ void RigWatcher::judge(const rig_check::Look& look, const std::stop_token& stop)
         return Clock::now() < *limit;
     };
     const auto lines = watch_.look(look, Clock::now(), goes_on);
+    is_well_ = watch_.num_good_looks() >= kWell;
     for (const std::string& line : lines) app::log::warn("{}", line);
 }
 

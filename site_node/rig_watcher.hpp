@@ -12,7 +12,8 @@
 namespace atrium::site_node {
 
 /// Judges the rig of a running site in a thread of the lowest priority, and logs what it finds.
-/// Costs the stages of the pipeline one copy of a metaframe's contours and mesh per second.
+/// Costs the stages of the pipeline one copy of a metaframe's contours and mesh per look: one per
+/// second, and one in five seconds while all is well.
 class RigWatcher {
 public:
     using Clock = std::chrono::steady_clock;
@@ -20,7 +21,7 @@ public:
     explicit RigWatcher(rig_check::AgreementOptions options);
     ~RigWatcher();
 
-    /// True about once a second. One caller.
+    /// True if the next look is due. One caller.
     bool wants_look(Clock::time_point now);
     /// Hands over what it wants; newest wins.
     void put(rig_check::Look look) { slot_.put(std::move(look)); }
@@ -37,7 +38,8 @@ private:
     rig_check::RigWatch watch_;  // of the thread, and after its end of `finish`
     LatestSlot<rig_check::Look> slot_;
     Clock::time_point due_{};
-    std::jthread thread_;  // last: uses the members above
+    std::atomic<bool> is_well_ = false;  // the last looks found nothing to doubt
+    std::jthread thread_;                // last: uses the members above
 };
 
 }  // namespace atrium::site_node

@@ -46,4 +46,11 @@ Expected<RunLimit::Now> RunLimit::update(std::uint64_t num_frames,
     return began ? Now::kBegan : Now::kGoesOn;
 }
 
+std::string RunLimit::cure(const std::string& place) {
+    return fmt::format(
+        "; this viewer is in {}: look whether the sites run, what they report, and "
+        "whether they are in the same world, domain and network",
+        place);
+}
+
 }  // namespace atrium::viewer

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace atrium::viewer {
 
@@ -21,6 +22,8 @@ public:
     /// Call after every picture; `num_frames` pictures so far. Error kUnavailable if the people do
     /// not come in time.
     Expected<Now> update(std::uint64_t num_frames, std::size_t num_people, Clock::time_point now);
+    /// What to check if the people do not come. `place`: the world, and what else is heard.
+    static std::string cure(const std::string& place);
 
     /// Whether pictures count now.
     bool is_counting() const { return is_counting_; }

@@ -283,7 +283,10 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
                 app::log::warn("status_failed {}", sent.error().message);
         }
         const auto run = limit->update(statistics.num_pictures(), picture.people.size(), now);
-        if (!run) return tl::unexpected(run.error());
+        if (!run) {
+            return make_error(run.error().kind,
+                              run.error().message + RunLimit::cure(membership.place()));
+        }
         if (*run == RunLimit::Now::kOver) break;
         if (*run == RunLimit::Now::kBegan) {
             statistics.times().begin_pictures();

@@ -16,6 +16,7 @@ namespace {
 constexpr double kImpossible_m = 100.0;
 constexpr double kUnusual_m = 40.0;
 constexpr double kTooNear_m = 0.02;
+constexpr double kNear_m = 1.0;  // a person is half a metre wide
 // Length of the mean unit vector to the cameras: from one side, and from around.
 constexpr double kOneSided = 0.6;
 constexpr double kAround = 0.45;
@@ -52,6 +53,14 @@ void check_distances(std::span<const geometry::CalibratedCamera> cameras,
                             fmt::format("the cameras are up to {} apart: {}",
                                         length_text(widest),
                                         likely_mistake(widest, unit_m))});
+    } else if (widest >= kTooNear_m && widest < kNear_m &&
+               find_common_view(cameras).one_sidedness < kOneSided) {
+        findings.push_back(
+            {false,
+             fmt::format("the cameras stand around a place and are at most {} apart: there is "
+                         "space for a hand, not for a person; if people stand there, the "
+                         "translations are too small",
+                         length_text(widest))});
     } else if (widest < kTooNear_m) {
         findings.push_back(
             {true,

@@ -36,6 +36,7 @@ void RigWatch::vote(const std::string& key,
     finding.needed = needed;
     finding.line = fmt::format("{} reason=\"{}\"", event, reason);
     ++finding.votes;
+    num_good_looks_ = 0;
     finding.reason = reason;
 }
 
@@ -49,6 +50,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         std::min(options.rays_per_camera,
                  std::max(kFewestRays, kRaysOfAll / std::max<std::size_t>(look.views.size(), 1)));
     const Agreement agreement = measure_agreement(look.views, options);
+    ++num_good_looks_;  // a vote sets it back
     for (std::size_t i = 0; i < look.views.size(); ++i) {
         Camera& camera = cameras_[look.views[i].name];
         camera.rays += agreement.cameras[i].rays;
@@ -128,6 +130,7 @@ void RigWatch::judge_agreement(const Look& look,
     recent_shares_.push_back(agreement.share());
     if (recent_shares_.size() > kRecent) recent_shares_.pop_front();
     if (agreement.share() >= kFineShare) return;
+    num_good_looks_ = 0;
     const bool is_soon = last_diagnosis_ && now - *last_diagnosis_ < kDiagnosisPeriod;
     if (is_soon && num_diagnoses_ >= kQuickDiagnoses) return;
     last_diagnosis_ = now;

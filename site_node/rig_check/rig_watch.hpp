@@ -37,6 +37,9 @@ public:
                                   Clock::time_point now,
                                   const std::function<bool()>& go_on = {});
 
+    /// How many looks in a row found nothing to doubt.
+    std::size_t num_good_looks() const { return num_good_looks_; }
+
     /// Returns the lines for the end of a run: findings with too few looks to report them before.
     std::vector<std::string> finish();
 
@@ -87,6 +90,7 @@ private:
     std::map<std::string, Camera> cameras_;
     std::map<std::string, Finding> findings_;
     std::size_t num_looks_ = 0;  // with somebody
+    std::size_t num_good_looks_ = 0;
     std::optional<Clock::time_point> last_diagnosis_;
     std::size_t num_diagnoses_ = 0;
     std::deque<double> recent_shares_;

@@ -165,6 +165,9 @@ Expected<void> Concluder::find_scale() {
                         said_.distance->to,
                         said_.distance->metres,
                         distance * *factor));
+        const auto& [from, to, metres] = *said_.distance;
+        if (auto doubt = doubt_measured(distance * *factor, from, to, metres); !doubt.empty())
+            problem(std::move(doubt));
         return {};
     }
     if (!foreign_.has_scale && said_.units.empty()) {

@@ -23,6 +23,8 @@ public:
                         std::stop_token stop);
     /// Error if another program has got the name since. Any thread.
     Expected<void> check_name() const;
+    /// As bus::Participant::place.
+    std::string place() const { return membership_->place(); }
     /// Updates the warning. `is_over`: the run ends.
     void warn_if_alone(std::chrono::steady_clock::time_point now, bool is_over) {
         empty_world_.update(membership_->present(), membership_->place(), now, is_over);

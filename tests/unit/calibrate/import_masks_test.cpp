@@ -135,5 +135,35 @@ TEST_F(ImportedMasks, MustBePicturesOfTheRightSize) {
     EXPECT_THAT(import(options_).error().message, AllOf(HasSubstr("32x24"), HasSubstr("64x48")));
 }
 
+TEST_F(ImportedMasks, OfAnotherSizeAreRefusedBeforeAnythingIsWritten) {
+    write_frames(100, 3);
+    options_.masks = folder_.path() / "segmented";
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i) {
+            const auto file = options_.masks / fmt::format("cam{}/img_{:04}.png", camera, 100 + i);
+            fs::create_directories(file.parent_path());
+            const cv::Mat half(24, 32, CV_8UC1, cv::Scalar(255));
+            ASSERT_TRUE(cv::imwrite(file.string(), camera == 2 ? cv::Mat(48, 64, CV_8UC1) : half));
+        }
+    }
+    const auto report = import(options_);
+    ASSERT_FALSE(report);
+    EXPECT_THAT(report.error().message,
+                AllOf(HasSubstr("masks of 'cam1', 'cam3' have another size"),
+                      HasSubstr("'cam1' have 32x24 px, its pictures 64x48"),
+                      HasSubstr("segmented/cam1/*.png")));
+    EXPECT_FALSE(fs::exists(options_.output / "cam1"));
+}
+
+TEST_F(ImportedMasks, WithoutPicturesAreRefused) {
+    for (int camera = 1; camera <= 3; ++camera)
+        write_mask(take(fmt::format("cam{}/masks/{:04}.png", camera, 1)), 0);
+    const auto report = import(options_);
+    ASSERT_FALSE(report);
+    EXPECT_THAT(
+        report.error().message,
+        AllOf(HasSubstr("people get their colours from the pictures"), HasSubstr("--masks")));
+}
+
 }  // namespace
 }  // namespace atrium::calibrate

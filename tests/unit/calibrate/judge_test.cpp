@@ -2,6 +2,7 @@
 #include "tools/calibrate/conclude.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -138,6 +139,26 @@ TEST(Judge, SaysWhatItCannotKnow) {
     const auto unknown = conclude(foreign_of(truth, {}, 1.0), said);
     ASSERT_FALSE(unknown);
     EXPECT_THAT(unknown.error().message, testing::HasSubstr("'nobody'"));
+}
+
+TEST(Judge, DoubtsAMeasuredDistanceThatMakesNoRoom) {
+    atrium::test::Random random(9);
+    const auto truth = test::random_room(random, 6);
+    const double apart_m = (truth[0].centre_site() - truth[1].centre_site()).norm();
+    const auto problems_of = [&](double said_m) {
+        Said said;
+        said.distance = Said::Distance{"cam1", "cam2", said_m};
+        const auto result = conclude(foreign_of(truth, {}, 7.0), said);
+        EXPECT_TRUE(result);
+        std::string text;
+        for (const std::string& problem : result->problems) text += problem;
+        return text;
+    };
+    EXPECT_THAT(problems_of(apart_m), testing::Not(testing::HasSubstr("lengths")));
+    EXPECT_THAT(problems_of(100.0 * apart_m),
+                testing::HasSubstr(
+                    fmt::format("if you gave cm, say --distance cam1 cam2 {:.4g}; else", apart_m)));
+    EXPECT_THAT(problems_of(0.1 * apart_m), testing::HasSubstr("if the room is not that small"));
 }
 
 // The room is 1.6 to 5 m around its middle: a factor of 10 is unusual, and the right unit is named.

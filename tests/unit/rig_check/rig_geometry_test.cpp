@@ -77,6 +77,12 @@ TEST(RigGeometry, NamesTheUnitOfTheTranslations) {
     EXPECT_EQ(error_of(10.0), "");
 }
 
+TEST(RigGeometry, DoubtsARigInWhichNobodyCanStand) {
+    const auto rig = test::make_ring_rig({.radius_m = 3.0});
+    EXPECT_THAT(text_of(check_rig(scaled(rig, 0.1))), HasSubstr("not for a person"));
+    EXPECT_EQ(text_of(check_rig(scaled(rig, 0.3))), "");
+}
+
 TEST(RigGeometry, FindsInvertedExtrinsicsOfARing) {
     auto rig = test::make_ring_rig({});
     for (auto& camera : rig) camera.camera_from_site = camera.camera_from_site.inverse();

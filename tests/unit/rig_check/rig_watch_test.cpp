@@ -41,6 +41,7 @@ TEST(RigWatch, IsSilentAboutAGoodSite) {
     WatchRun run;
     for (std::uint64_t i = 0; i < 30; ++i) run.look(person(i));
     EXPECT_THAT(run.lines, IsEmpty());
+    EXPECT_EQ(run.watch.num_good_looks(), 30u);
     EXPECT_THAT(run.watch.finish(), IsEmpty());
     EXPECT_THAT(run.watch.summary(), HasSubstr("silhouettes looks=30 explained=0.99 fit=good"));
 }
@@ -65,6 +66,7 @@ TEST(RigWatch, NamesSwappedCamerasOnceAndAgainAfterTenMinutes) {
     for (std::uint64_t i = 0; i < 60; ++i) run.look(swapped(i));
     ASSERT_EQ(run.lines.size(), 1u);
     EXPECT_THAT(run.lines.front(), HasSubstr("cam1 and cam2 look swapped"));
+    EXPECT_EQ(run.watch.num_good_looks(), 0u);
     run.now += RigWatch::kRepeat;
     for (std::uint64_t i = 0; i < 30; ++i) run.look(swapped(i));
     EXPECT_EQ(run.lines.size(), 2u);

@@ -53,5 +53,12 @@ TEST(RunLimit, FailsIfNobodyComes) {
     EXPECT_THAT(late.error().message, testing::HasSubstr("1 of 2 people came within 4 s"));
 }
 
+TEST(RunLimit, SaysWhereToLookForThePeople) {
+    const std::string cure =
+        RunLimit::cure("world=lab1 domain=0 network=lan other_worlds=labl did_you_mean=labl");
+    EXPECT_THAT(cure, testing::HasSubstr("this viewer is in world=lab1"));
+    EXPECT_THAT(cure, testing::HasSubstr("did_you_mean=labl"));
+}
+
 }  // namespace
 }  // namespace atrium::viewer

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -153,7 +154,7 @@ double metres_of(const std::string& unit) {
 
 namespace {
 
-bool is_usual(double distance_m) {
+bool is_usual_distance(double distance_m) {
     return distance_m >= kUsualNearest_m && distance_m <= kUsualFarthest_m;
 }
 
@@ -169,11 +170,11 @@ double strangeness(double median_distance, const std::string& unit) {
 
 std::string better_unit(double median_distance, const std::string& unit) {
     const double distance_m = median_distance * metres_of(unit);
-    if (is_usual(distance_m)) return {};
+    if (is_usual_distance(distance_m)) return {};
     const bool is_hall = distance_m > kNearest_m && distance_m < kFarthest_m;
     std::string best;
     for (const std::string other : {"m", "mm", "cm", "in", "ft"}) {
-        if (other == unit || !is_usual(median_distance * metres_of(other))) continue;
+        if (other == unit || !is_usual_distance(median_distance * metres_of(other))) continue;
         // a hall in metres would be a room in feet
         if (is_hall && (other == "in" || other == "ft")) continue;
         if (best.empty() ||
@@ -181,6 +182,32 @@ std::string better_unit(double median_distance, const std::string& unit) {
             best = other;
     }
     return best;
+}
+
+std::string doubt_measured(double distance_m,
+                           const std::string& from,
+                           const std::string& to,
+                           double metres) {
+    if (is_usual_distance(distance_m)) return {};
+    std::string other_unit;
+    for (const std::string unit : {"cm", "mm", "in", "ft"}) {
+        if (!is_usual_distance(distance_m * metres_of(unit))) continue;
+        other_unit = fmt::format(
+            "--distance takes metres; if you gave {}, say --distance {} {} {:.4g}; else ",
+            unit,
+            from,
+            to,
+            metres * metres_of(unit));
+        break;
+    }
+    return fmt::format(
+        "lengths: {:.3g} m from the cameras to the place that they look at is unusual; {}measure "
+        "the distance between {} and {} again, in metres, if the room is not that {}",
+        distance_m,
+        other_unit,
+        from,
+        to,
+        distance_m > kUsual_m ? "large" : "small");
 }
 
 UnitChoice choose_unit(double median_distance, const std::string& prescribed) {
@@ -198,7 +225,7 @@ UnitChoice choose_unit(double median_distance, const std::string& prescribed) {
     if (!prescribed.empty() && fits(prescribed)) choice.name = prescribed;
     choice.metres = metres_of(choice.name);
     for (const std::string& unit : units) {
-        if (unit != choice.name && is_usual(median_distance * metres_of(unit)) &&
+        if (unit != choice.name && is_usual_distance(median_distance * metres_of(unit)) &&
             choice.also_possible.empty() && prescribed != choice.name)
             choice.also_possible = unit;
     }

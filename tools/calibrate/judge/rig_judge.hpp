@@ -46,6 +46,13 @@ struct UnitChoice {
 /// into a room. `prescribed` wins if it fits; empty: none.
 UnitChoice choose_unit(double median_distance, const std::string& prescribed);
 
+/// A problem if cameras stand `distance_m` from what they look at because the user measured
+/// `metres` from one camera to another: the likely cause, and the cure. Empty if it is usual.
+std::string doubt_measured(double distance_m,
+                           const std::string& from,
+                           const std::string& to,
+                           double metres);
+
 /// If cameras at `median_distance`, in `unit`, stand unusually near or far, returns the unit that
 /// makes the most usual room of it; empty if the distance is usual, or no unit makes it so.
 std::string better_unit(double median_distance, const std::string& unit);

@@ -1,5 +1,6 @@
 #include "tools/calibrate/recording/gather.hpp"
 
+#include "tools/calibrate/recording/mask_checks.hpp"
 #include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
@@ -101,7 +102,7 @@ Expected<void> Gatherer::gather_frames() {
     if (material_.frames.size() < 2) {
         std::string aside;
         if (!rooms_.empty()) aside += "; pictures of the empty room, by name: " + rooms_[0].label;
-        if (!masks_.empty()) aside += "; masks, by name: " + masks_[0].label;
+        if (!masks_.empty()) aside += "; " + why_masks_need_pictures(masks_[0]);
         const std::string own = fs::weakly_canonical(folders_.frames).filename().string();
         for (const std::string& camera : cameras_) {
             if (likeness(camera, own, {}) < 90) continue;
@@ -275,6 +276,7 @@ Expected<void> Gatherer::gather_masks() {
     material_.masks = std::move(matches->by_camera);
     for (const auto& [camera, shots] : material_.masks)
         report_truncated(camera + "', masks", shots);
+    if (auto fitting = check_mask_sizes(material_); !fitting) return fitting;
     return align_masks();
 }
 

@@ -117,7 +117,10 @@ Numbered split_number(const std::string& whole) {
 
 class Search {
 public:
-    explicit Search(fs::path root) : root_(std::move(root)) {}
+    explicit Search(fs::path root)
+        : root_(std::move(root)),
+          has_masks_only_(kMasks.contains(lower(fs::weakly_canonical(root_).filename().string()))) {
+    }
 
     Expected<std::vector<Shots>> run() {
         if (auto walked = walk(root_, 0); !walked) return tl::unexpected(walked.error());
@@ -132,7 +135,7 @@ private:
     }
     void add(Shots shots) {
         shots.is_background = has_word_of(kBackgrounds, shots.label);
-        shots.is_mask = shots.is_mask || has_word_of(kMasks, shots.label);
+        shots.is_mask = shots.is_mask || has_masks_only_ || has_word_of(kMasks, shots.label);
         found_.push_back(std::move(shots));
     }
 
@@ -192,6 +195,7 @@ private:
     }
 
     fs::path root_;
+    bool has_masks_only_;  // the folder that was named is one of masks
     std::vector<Shots> found_;
     std::size_t num_files_ = 0;
 };

@@ -1,0 +1,43 @@
+#include "tools/calibrate/recording/mask_checks.hpp"
+
+#include "tools/calibrate/recording/words.hpp"
+
+#include <fmt/format.h>
+
+namespace atrium::calibrate {
+
+Expected<void> check_mask_sizes(const Material& material) {
+    std::vector<std::string> wrong;
+    std::string first;  // what is wrong with the first of them
+    for (const auto& [camera, shots] : material.masks) {
+        const auto mask = look_at(shots);
+        if (!mask) return tl::unexpected(mask.error());
+        const Look& frame = material.looks.at(camera);
+        if (mask->width == frame.width && mask->height == frame.height) continue;
+        wrong.push_back(camera);
+        if (!first.empty()) continue;
+        first = fmt::format(
+            "those of '{0}' have {1}x{2} px, its pictures {3}x{4}; scale copies of all masks "
+            "without smoothing, for example mogrify -filter point -resize '{3}x{4}!' {5}/*.png, "
+            "and import again",
+            camera,
+            mask->width,
+            mask->height,
+            frame.width,
+            frame.height,
+            shots.pictures.begin()->second.parent_path().string());
+    }
+    if (wrong.empty()) return {};
+    return make_error(
+        ErrorKind::kConfiguration,
+        fmt::format("masks of {} have another size than the pictures: {}", listed(wrong), first));
+}
+
+std::string why_masks_need_pictures(const Shots& masks) {
+    return fmt::format(
+        "there are masks ('{}'), but people get their colours from the pictures: give the folder "
+        "of the pictures with --recording, and that of the masks with --masks",
+        masks.label);
+}
+
+}  // namespace atrium::calibrate
