@@ -1,5 +1,6 @@
 #include "tests/fuzz/replay.hpp"
 #include "tests/fuzz/wire_check.hpp"
+#include "tests/support/sanitized.hpp"
 
 #include <gtest/gtest.h>
 
@@ -39,6 +40,7 @@ TEST_P(EveryTopic, SurvivesEveryChangedByte) {
     for (Bytes bytes : GetParam().samples()) {
         for (std::size_t i = 1; i < bytes.size(); ++i) {
             for (const std::uint8_t change : {0x01, 0x80, 0xff}) {
+                if (kSanitized && change != 0xff && i % 4 != 0) continue;
                 bytes[i] ^= change;
                 bool was_accepted = false;
                 ASSERT_EQ(GetParam().check(bytes, was_accepted), "") << "byte " << i;

@@ -1,4 +1,5 @@
 // How people move objects: meshes at 30 Hz without a common topology, ticks at 120 Hz.
+#include "tests/support/sanitized.hpp"
 #include "tests/support/world/physics_meshes.hpp"
 #include "ticks.hpp"
 #include "world_server/physics/people/person_shape.hpp"
@@ -194,7 +195,8 @@ TEST(Person, IsAWallWhenStill) {
 TEST(Person, HoldsABallOnAStillHand) {
     std::mt19937 random(17);
     std::uniform_real_distribution<double> offset(-0.05, 0.05);
-    for (int trial = 0; trial < 8; ++trial) {
+    const int num_trials = test::kSanitized ? 2 : 8;
+    for (int trial = 0; trial < num_trials; ++trial) {
         PeopleStage stage;
         stage.add_ball({0.4 + offset(random), 0.17 + offset(random), 1.6});
         int ticks_inside = 0;

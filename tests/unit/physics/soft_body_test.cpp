@@ -1,5 +1,6 @@
 // Soft objects on the floor, on pins and among rigid objects.
 #include "soft_stage.hpp"
+#include "tests/support/sanitized.hpp"
 
 #include <gtest/gtest.h>
 
@@ -371,7 +372,8 @@ TEST(SoftWorld, GainsNoEnergyInAMinute) {
     ASSERT_EQ(stage.world.add_soft(cloth), AddResult::kAdded);
     stage.run(10.0);
     double fastest = 0.0;
-    stage.run(50.0, [&] { fastest = std::max(fastest, stage.fastest_mps()); });
+    stage.run(test::kSanitized ? 10.0 : 50.0,
+              [&] { fastest = std::max(fastest, stage.fastest_mps()); });
     EXPECT_LT(fastest, 0.15);
     EXPECT_EQ(stage.world.counters().num_not_finite, 0U);
     EXPECT_EQ(stage.world.counters().num_torn, 0U);

@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(Motions,
 
 TEST_P(EveryLook, IsOneClosedManifoldSolidInEveryMotion) {
     const auto times_s =
-        test::kSanitized ? std::vector{0.0, 1.5} : std::vector{0.0, 0.4, 1.1, 1.5, 2.3, 2.9};
+        test::kSanitized ? std::vector{1.5} : std::vector{0.0, 0.4, 1.1, 1.5, 2.3, 2.9};
     for (const std::string& motion : motion_names()) {
         const Person person = make_person(room(GetParam(), motion));
         for (const double time_s : times_s) {
