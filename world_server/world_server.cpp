@@ -29,6 +29,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kStatusPeriod{1000};
+constexpr std::chrono::seconds kSkippedPeriod{30};  // between lines about skipped ticks
 
 // The reason to end the process without a stop request.
 struct Loss {
@@ -237,7 +238,8 @@ void WorldServer::Impl::publish(std::stop_token stop) {
     RateMeter byte_rate;
     Outbox::Content content;
     Clock::time_point next_status = Clock::now();
-    std::uint64_t num_skipped = 0;
+    std::uint64_t num_skipped = 0;  // told so far
+    Clock::time_point next_skipped = next_status;
     atrium::status::OverloadLog overload(bus::ProgramKind::kWorldServer);
     while (!stop.stop_requested()) {
         simulation.outbox().take(content, stop, next_status);
@@ -257,11 +259,15 @@ void WorldServer::Impl::publish(std::stop_token stop) {
             processor = sent.processor;
         }
         publisher.send(sent);
-        if (const auto line = overload.look(atrium::status::figures_of(sent), now))
+        if (const auto line = overload.look(atrium::status::figures_of(sent), now)) {
             app::log::warn("{}", *line);
-        else if (sent.num_skipped_ticks > num_skipped)
+        } else if (sent.num_skipped_ticks > num_skipped && now >= next_skipped) {
             app::log::warn("ticks_skipped num={}", sent.num_skipped_ticks - num_skipped);
+        } else {
+            continue;
+        }
         num_skipped = sent.num_skipped_ticks;
+        next_skipped = now + kSkippedPeriod;
     }
 }
 

@@ -90,7 +90,10 @@ Expected<void> from_draco_mesh(const draco::Mesh& coded,
         // NaN fails this condition as well
         if (!(std::abs(position.x()) <= max_m && std::abs(position.y()) <= max_m &&
               std::abs(position.z()) <= max_m))
-            return invalid_mesh("a coordinate is not finite or too large");
+            return invalid_mesh(
+                fmt::format("a vertex is more than {:.4g} m from the origin along an axis, or not "
+                            "finite; is its frame or unit wrong?",
+                            max_m));
         mesh.vertices.push_back(position.cast<double>());
     }
     mesh.triangles.reserve(coded.num_faces());

@@ -107,7 +107,10 @@ std::string ask_which_path(const std::filesystem::path& missing) {
         for (fs::directory_iterator entry(folder, failure), end;
              !failure && entry != end && ++num_entries <= kMaxEntries;
              entry.increment(failure)) {
-            const std::string name = in_lower_case(entry->path().filename().string());
+            // "playroom" may be "playroom.toml"
+            const fs::path file = entry->path().filename();
+            const std::string name =
+                in_lower_case((part.has_extension() ? file : file.stem()).string());
             if (!may_be_misspelling(written, name)) continue;
             const std::size_t distance = num_edits(written, name);
             if (distance > best) continue;

@@ -172,9 +172,12 @@ std::optional<std::string> OverloadLog::look(Figures now, Clock::time_point time
     before_ = std::move(now);
     if (found.empty() || found.front().cause == Cause::kNetwork) return std::nullopt;
     const Cause cause = found.front().cause;
-    const auto last = last_lines_.find(cause);
-    if (last != last_lines_.end() && time - last->second < kPeriod) return std::nullopt;
-    last_lines_[cause] = time;
+    Repeat& repeat = repeats_[cause];
+    if (time - repeat.last_seen > repeat.period) repeat = {};
+    repeat.last_seen = time;
+    if (time < repeat.due) return std::nullopt;
+    repeat.due = time + repeat.period;
+    repeat.period = std::min(2 * repeat.period, kLongestPeriod);
     std::string what_to_do = own_advice_ ? own_advice_(cause) : "";
     if (what_to_do.empty()) what_to_do = advice(cause, kind_, use.run_per_s / host_cores_);
     return fmt::format("{} reason=\"{}\" cores={:.2f} host_cores={} advice=\"{}\"",

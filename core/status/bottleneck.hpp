@@ -68,12 +68,14 @@ std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const 
 std::string advice(Cause cause, bus::ProgramKind kind, double share_of_host);
 
 /// Makes a program's log lines about its own overload: the first of each cause at once, further
-/// ones of that cause at most every `kPeriod`. Leaves out the network, which the streams report.
+/// ones of that cause after `kPeriod`, twice that and so on, at most `kLongestPeriod`; a calm of
+/// that length begins anew. Leaves out the network, which the streams report.
 /// Not thread-safe.
 class OverloadLog {
 public:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::seconds kPeriod{5};
+    static constexpr std::chrono::seconds kLongestPeriod{160};
 
     /// `own_advice` replaces `advice` where it has an answer. `host_cores`: those of this host.
     explicit OverloadLog(bus::ProgramKind kind,
@@ -89,7 +91,12 @@ private:
     std::function<std::string(Cause)> own_advice_;
     unsigned host_cores_;
     std::optional<Figures> before_;
-    std::map<Cause, Clock::time_point> last_lines_;
+    struct Repeat {
+        Clock::time_point last_seen;
+        Clock::time_point due;
+        std::chrono::seconds period = kPeriod;
+    };
+    std::map<Cause, Repeat> repeats_;
 };
 
 }  // namespace atrium::status

@@ -303,7 +303,7 @@ TEST(MeshCodec, RefusesCoordinatesAndCountsBeyondTheLimits) {
     EXPECT_THAT(test::decode_mesh(bytes, {.max_vertices = 199}).error().message,
                 HasSubstr("vertices"));
     EXPECT_THAT(test::decode_mesh(bytes, {.max_coordinate_m = 0.9}).error().message,
-                HasSubstr("coordinate"));
+                HasSubstr("more than 0.9 m from the origin"));
     EXPECT_TRUE(test::decode_mesh(bytes, {400, 200, 1.1}).has_value());
 }
 

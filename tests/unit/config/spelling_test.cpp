@@ -62,6 +62,8 @@ TEST(Spelling, AsksForTheFolderOrFileThatAPathMeans) {
               "did you mean " + at + "/meshes/Chair.OBJ?");
     EXPECT_EQ(ask_which_path(folder / "elsewhere" / "hull.ply"), "");
     EXPECT_EQ(ask_which_path(folder / "meshes" / "Chair.OBJ"), "") << "it exists";
+    EXPECT_EQ(ask_which_path(folder / "meshes" / "chair"),
+              "did you mean " + at + "/meshes/Chair.OBJ?");
     EXPECT_EQ(ask_which_path({}), "");
     fs::remove_all(folder);
 }

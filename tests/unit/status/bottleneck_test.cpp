@@ -152,7 +152,7 @@ TEST(Bottlenecks, IgnoreCountersOfARestartedProgram) {
     EXPECT_EQ(bottlenecks(std::nullopt, figures_of(site_after(2, 5, 0.5))).size(), 1U);
 }
 
-TEST(OverloadLog, WarnsAtOnceAndThenEveryFiveSeconds) {
+TEST(OverloadLog, WarnsAtOnceAndThenEverMoreSeldom) {
     OverloadLog log(bus::ProgramKind::kSiteNode, {}, 1);
     const auto look = [&](int second, double longest_wait_per_s) {
         return log.look(figures_of(site_after(second, 0, longest_wait_per_s)),
@@ -165,10 +165,15 @@ TEST(OverloadLog, WarnsAtOnceAndThenEveryFiveSeconds) {
                     "the time for a core\" cores=0.81 host_cores=1 "
                     "advice=\"run fewer programs on this host, lower "
                     "capture.rate_hz, or use fewer or smaller pictures\"")));
-    for (int second = 2; second < 6; ++second) EXPECT_EQ(look(second, 0.5), std::nullopt);
-    EXPECT_NE(look(6, 0.5), std::nullopt);
-    EXPECT_EQ(look(12, 0.1), std::nullopt);
-    EXPECT_NE(look(13, 0.3), std::nullopt) << "at once";
+    std::vector<int> seconds_of_lines;
+    for (int second = 2; second < 700; ++second) {
+        if (look(second, 0.5)) seconds_of_lines.push_back(second);
+    }
+    EXPECT_THAT(seconds_of_lines, ElementsAre(6, 16, 36, 76, 156, 316, 476, 636));
+    EXPECT_EQ(look(800, 0.1), std::nullopt);
+    EXPECT_NE(look(900, 0.3), std::nullopt) << "at once after a calm";
+    EXPECT_EQ(look(904, 0.3), std::nullopt);
+    EXPECT_NE(look(905, 0.3), std::nullopt) << "from the shortest period again";
 }
 
 TEST(OverloadLog, NamesAnotherCauseAtOnce) {

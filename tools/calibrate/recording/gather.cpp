@@ -1,5 +1,6 @@
 #include "tools/calibrate/recording/gather.hpp"
 
+#include "tools/calibrate/recording/instants.hpp"
 #include "tools/calibrate/recording/mask_checks.hpp"
 #include "tools/calibrate/recording/words.hpp"
 
@@ -204,40 +205,11 @@ Expected<void> Gatherer::look_at_all() {
 
 // Pictures of one number are one instant; a metaframe needs all cameras.
 Expected<void> Gatherer::compare_numbers() {
-    std::map<std::size_t, std::size_t> num_cameras;  // by number
-    std::size_t num_sequences = 0;
-    std::string numbers;
-    for (const auto& [camera, shots] : material_.frames) {
-        if (shots.is_video) continue;
-        ++num_sequences;
-        for (const auto& [number, file] : shots.pictures) ++num_cameras[number];
-        numbers += fmt::format("{}{} to {} of '{}'",
-                               numbers.empty() ? "" : ", ",
-                               shots.pictures.begin()->first,
-                               shots.pictures.rbegin()->first,
-                               camera);
-    }
-    if (num_sequences == 0) return {};
-    std::size_t num_complete = 0;
-    for (const auto& [number, num] : num_cameras) {
-        if (num < num_sequences) continue;
-        if (++num_complete == 1) material_.first_complete = number - material_.first_frame;
-    }
-    if (num_complete == 0) {
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("the pictures have no number in common, so no two are of one "
-                                      "instant: {}; renumber them, the same instant with the same "
-                                      "number",
-                                      numbers));
-    }
-    if (num_complete < num_cameras.size()) {
-        check(
-            fmt::format("instants: {} of {} are complete, numbers {}; the site leaves the others "
-                        "out. Pictures of one number are taken as one instant",
-                        num_complete,
-                        num_cameras.size(),
-                        numbers));
-    }
+    auto instants = compare_instants(material_.frames);
+    if (!instants) return tl::unexpected(instants.error());
+    if (instants->first_complete > 0)
+        material_.first_complete = instants->first_complete - material_.first_frame;
+    if (!instants->doubt.empty()) check(std::move(instants->doubt));
     return {};
 }
 

@@ -1,0 +1,82 @@
+#include "tools/calibrate/recording/instants.hpp"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <vector>
+
+namespace atrium::calibrate {
+namespace {
+
+std::string range_text(std::size_t first, std::size_t last) {
+    return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
+}
+
+// "7, 12 to 14", and how many more ranges there are. `missing` and `all` ascend.
+std::string missing_text(const std::vector<std::size_t>& missing,
+                         const std::vector<std::size_t>& all) {
+    constexpr std::size_t kMaxRanges = 3;
+    std::string text;
+    std::size_t num_ranges = 0;
+    auto at = all.begin();
+    for (std::size_t i = 0; i < missing.size();) {
+        while (*at != missing[i]) ++at;
+        std::size_t last = i;
+        // numbers that no camera has do not end a range
+        while (last + 1 < missing.size() && *++at == missing[last + 1]) ++last;
+        if (++num_ranges <= kMaxRanges)
+            text += (text.empty() ? "" : ", ") + range_text(missing[i], missing[last]);
+        i = last + 1;
+    }
+    if (num_ranges > kMaxRanges) text += fmt::format(" and {} more gaps", num_ranges - kMaxRanges);
+    return text;
+}
+
+}  // namespace
+
+Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames) {
+    std::set<std::size_t> numbers;
+    std::string ranges;
+    for (const auto& [camera, shots] : frames) {
+        if (shots.is_video || shots.pictures.empty()) continue;
+        for (const auto& [number, file] : shots.pictures) numbers.insert(number);
+        ranges +=
+            fmt::format("{}{} of '{}'",
+                        ranges.empty() ? "" : ", ",
+                        range_text(shots.pictures.begin()->first, shots.pictures.rbegin()->first),
+                        camera);
+    }
+    if (numbers.empty()) return Instants{};
+    const std::vector<std::size_t> all(numbers.begin(), numbers.end());
+    std::string gaps;
+    for (const auto& [camera, shots] : frames) {
+        if (shots.is_video) continue;
+        std::vector<std::size_t> missing;
+        for (const std::size_t number : all) {
+            if (!shots.pictures.contains(number)) missing.push_back(number);
+        }
+        for (const std::size_t number : missing) numbers.erase(number);
+        if (missing.empty()) continue;
+        gaps += fmt::format(
+            "{}'{}' has no {}", gaps.empty() ? "" : "; ", camera, missing_text(missing, all));
+    }
+    if (numbers.empty()) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("the pictures have no number in common, so no two are of one "
+                                      "instant: {}; renumber them, the same instant with the same "
+                                      "number",
+                                      ranges));
+    }
+    Instants result{*numbers.begin(), {}};
+    if (!gaps.empty()) {
+        result.doubt = fmt::format(
+            "instants: pictures of one number are one instant, and {} of {} instants are complete; "
+            "the site leaves the others out. By the numbers in the files' names, {}",
+            numbers.size(),
+            all.size(),
+            gaps);
+    }
+    return result;
+}
+
+}  // namespace atrium::calibrate
