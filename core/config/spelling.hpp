@@ -21,7 +21,8 @@ std::vector<std::string> names_meant_by(std::string_view written,
 std::string ask_which(const std::vector<std::string>& names, std::string_view before = "");
 
 /// For a path that does not exist: finds files and folders beside its first missing part whose
-/// names may be meant, by spelling, case or a missing extension. Returns "did you mean DIR/rooms?", or nothing.
+/// names may be meant, by spelling, case or a missing extension. Returns "did you mean DIR/rooms?",
+/// or nothing.
 std::string ask_which_path(const std::filesystem::path& missing);
 
 }  // namespace atrium::config
