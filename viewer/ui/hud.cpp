@@ -120,9 +120,10 @@ float draw_hud(const HudContent& content, bool has_details) {
     return right;
 }
 
-void draw_close_question() {
-    begin_panel("close", Corner::kMiddle, 0.96, false);
-    ImGui::TextUnformatted("Esc again: close the viewer");
+void draw_question(Action action) {
+    begin_panel("question", Corner::kMiddle, 0.96, false);
+    ImGui::TextUnformatted(action == Action::kReset ? "R again: reset all objects, for everybody"
+                                                    : "Esc again: close the viewer");
     ImGui::End();
 }
 

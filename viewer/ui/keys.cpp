@@ -125,7 +125,8 @@ constexpr std::array kBindings{
                false,
                false,
                {GLFW_KEY_B}},
-    KeyBinding{Action::kReset, "R", "reset all objects", false, false, {GLFW_KEY_R}},
+    KeyBinding{
+        Action::kReset, "R", "twice: reset all objects, for everybody", false, false, {GLFW_KEY_R}},
     KeyBinding{Action::kFullScreen, "F11", "full screen on or off", false, false, {GLFW_KEY_F11}},
     KeyBinding{
         Action::kScreenshot, "F12, P", "screenshot", false, false, {GLFW_KEY_F12, GLFW_KEY_P}},

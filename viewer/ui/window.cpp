@@ -24,12 +24,13 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <optional>
 #include <utility>
 
 namespace atrium::viewer {
 namespace {
 
-constexpr double kAsksToCloseS = 3.0;
+constexpr double kAsksS = 3.0;
 
 std::string last_glfw_error() {
     const char* text = nullptr;
@@ -120,7 +121,7 @@ public:
             draw_lower_panels(content, has_details_ ? hud_right : 0.0f);
             if (are_views_shown_) views_.draw(content, events_);
             if (are_keys_shown_) draw_keys();
-            if (is_close_asked()) draw_close_question();
+            if (const auto asked = asked_again()) draw_question(*asked);
         });
         swap();
     }
@@ -171,6 +172,8 @@ private:
             if (key.action == Action::kFullScreen) full_screen_.toggle(window_);
             return;
         }
+        // undo does not bring back what a reset takes from everybody
+        if (key.action == Action::kReset && !is_confirmed(Action::kReset)) return;
         if (change_view(key, events_) || change_selected(key, events_.edit)) return;
         change_panels(key);
     }
@@ -242,13 +245,20 @@ private:
             events_.edit.cancel = true;
         else if (is_inside_)
             events_.leave_eyes = true;
-        else if (is_close_asked())
+        else if (is_confirmed(Action::kClose))  // one Esc too many must not end a recording
             glfwSetWindowShouldClose(window_, GLFW_TRUE);
-        else
-            close_asked_at_s_ = glfwGetTime();
     }
-    // A second Esc closes: one too many must not end a recording.
-    bool is_close_asked() const { return glfwGetTime() - close_asked_at_s_ < kAsksToCloseS; }
+    // The action whose key must be pressed again, if one was lately.
+    std::optional<Action> asked_again() const {
+        return glfwGetTime() - asked_at_s_ < kAsksS ? asked_ : std::nullopt;
+    }
+    // True at the second press; the first one asks.
+    bool is_confirmed(Action action) {
+        const bool is_second = asked_again() == action;
+        asked_ = is_second ? std::nullopt : std::optional(action);
+        asked_at_s_ = glfwGetTime();
+        return is_second;
+    }
     bool is_down(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
 
     void read_mouse() {
@@ -303,7 +313,8 @@ private:
     bool is_dragging_ = false;    // a handle, in the last picture
     bool has_selection_ = false;  // in the last picture
     bool is_inside_ = false;      // of a person's eyes, in the last picture
-    double close_asked_at_s_ = -kAsksToCloseS;
+    std::optional<Action> asked_;
+    double asked_at_s_ = 0.0;
     TappedKeys taps_;
     SitePanel sites_;
     ViewpointPanel views_;

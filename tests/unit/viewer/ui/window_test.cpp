@@ -136,6 +136,8 @@ TEST_F(ViewerWindow, ReportsItsKeys) {
     };
     EXPECT_TRUE(gives("F12", [](const SurfaceEvents& e) { return e.screenshot; }));
     EXPECT_TRUE(gives("F9", [](const SurfaceEvents& e) { return e.record; }));
+    display_->press(kTitle, "r");
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().reset_scene) << "it asks first";
     EXPECT_TRUE(gives("r", [](const SurfaceEvents& e) { return e.reset_scene; }));
     EXPECT_TRUE(gives("n", [](const SurfaceEvents& e) { return e.names; }));
     EXPECT_TRUE(gives("b", [](const SurfaceEvents& e) { return e.debug; }));
