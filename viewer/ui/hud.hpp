@@ -9,7 +9,8 @@ namespace atrium::viewer {
 /// Returns its right edge. Call between ImGui's NewFrame and Render.
 float draw_hud(const HudContent& content, bool has_details);
 
-/// Lays out the question whether kClose or kReset is meant. Call between ImGui's NewFrame and Render.
+/// Lays out the question whether kClose or kReset is meant. Call between ImGui's NewFrame and
+/// Render.
 void draw_question(Action action);
 
 /// Lays out the list of keys. Call between ImGui's NewFrame and Render.
