@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <optional>
 
 namespace atrium::config {
 namespace {
@@ -116,6 +117,26 @@ geometry::Aabb default_bounds(const std::vector<geometry::CalibratedCamera>& cam
     return box;
 }
 
+// The likely cause if `path` cannot be a rig or recording: it is of another tool.
+std::optional<std::string> explain_foreign(const std::filesystem::path& path) {
+    std::error_code failure;
+    if (std::filesystem::is_directory(path, failure) &&
+        !std::filesystem::exists(path / "rig.toml", failure)) {
+        return fmt::format(
+            "{}: this folder has no rig.toml, so it is no recording of Atrium; pictures of another "
+            "tool become one with `calibrate import CALIBRATION --recording {} -o NEW_FOLDER`",
+            path.string(),
+            path.string());
+    }
+    constexpr std::array kForeign{".yml", ".yaml", ".json", ".xml", ".txt", ".xcp"};
+    if (std::ranges::find(kForeign, path.extension()) == kForeign.end()) return std::nullopt;
+    return fmt::format(
+        "{}: a rig is a .toml file; the calibration of another tool becomes one with `calibrate "
+        "import {} -o rig.toml`",
+        path.string(),
+        path.string());
+}
+
 }  // namespace
 
 bool is_valid_name(const std::string& name) {
@@ -126,6 +147,8 @@ bool is_valid_name(const std::string& name) {
 }
 
 Expected<Rig> load_rig(const std::filesystem::path& path) {
+    if (const auto foreign = explain_foreign(path))
+        return make_error(ErrorKind::kConfiguration, *foreign);
     std::error_code failure;
     const bool is_folder = std::filesystem::is_directory(path, failure);
     auto reader = TableReader::load(is_folder ? path / "rig.toml" : path);

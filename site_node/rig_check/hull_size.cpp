@@ -40,7 +40,10 @@ std::optional<std::string> check_size(const geometry::Aabb& extent,
                                          "its key units says (\"m\", \"cm\", \"mm\", \"in\", "
                                          "\"ft\")"
                                        : mistake,
-                       is_huge || is_tiny ? "" : "; or the focal lengths are too small");
+                       is_huge || is_tiny ? ""
+                                          : "; or the distance was wrong that was measured for "
+                                            "the scale (--distance of calibrate import); or the "
+                                            "focal lengths are too small");
 }
 
 }  // namespace atrium::rig_check

@@ -81,6 +81,18 @@ TEST(LoadRig, NamesTheCameraWithASingularMatrix) {
         AllOf(HasSubstr("camera[1].rotation"), HasSubstr("'bad'"), HasSubstr("rotation matrix")));
 }
 
+TEST(LoadRig, SaysHowToImportWhatOtherToolsWrote) {
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::path(testing::TempDir()) / "pictures_of_another_tool";
+    fs::create_directories(folder / "cam1");
+    const std::string import = "calibrate import CALIBRATION --recording " + folder.string();
+    EXPECT_THAT(load_rig(folder).error().message,
+                AllOf(HasSubstr("no rig.toml"), HasSubstr(import)));
+    std::ofstream(folder / "extri.yml") << "%YAML:1.0\n";
+    EXPECT_THAT(load_rig(folder / "extri.yml").error().message,
+                HasSubstr("`calibrate import " + (folder / "extri.yml").string()));
+}
+
 TEST(LoadRig, RefusesMirroredRotations) {
     EXPECT_FALSE(load(camera("a") + replaced(camera("b"), "[0, 1, 0,", "[0, -1, 0,")));
 }
