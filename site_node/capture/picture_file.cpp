@@ -242,6 +242,13 @@ Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::strin
     return file;
 }
 
+PictureFile PictureFile::of(const fs::path& picture) {
+    PictureFile file;
+    file.impl_->images[0] = file.impl_->path = picture;
+    file.impl_->num_pictures = 1;
+    return file;
+}
+
 const fs::path& PictureFile::path() const { return impl_->path; }
 bool PictureFile::is_video() const { return impl_->is_video; }
 std::size_t PictureFile::num_pictures() const { return impl_->num_pictures; }

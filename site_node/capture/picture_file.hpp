@@ -29,6 +29,9 @@ public:
     /// this order. Error kNotFound lists the names tried.
     static Expected<PictureFile> find(const std::filesystem::path& folder, const std::string& stem);
 
+    /// One picture, number 0, whatever its name.
+    static PictureFile of(const std::filesystem::path& picture);
+
     const std::filesystem::path& path() const;
     bool is_video() const;
     /// Highest number + 1 of a sequence; for a video the number in its header.

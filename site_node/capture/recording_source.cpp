@@ -1,6 +1,7 @@
 #include "site_node/capture/recording_source.hpp"
 
 #include "core/base/looked_up.hpp"
+#include "site_node/capture/mask_file.hpp"
 #include "site_node/capture/pace.hpp"
 #include "site_node/capture/picture_file.hpp"
 
@@ -52,22 +53,6 @@ tl::unexpected<Error> wrong_size(const fs::path& file,
                                   size.height,
                                   expected.width,
                                   expected.height));
-}
-
-// True if people are black: foreground covers most of the picture and nearly all of its border.
-bool looks_inverted(const image::Mask& mask) {
-    constexpr double kMost = 0.5;
-    constexpr double kNearlyAll = 0.9;
-    const int last_x = mask.width - 1;
-    const int last_y = mask.height - 1;
-    int border = 0;
-    for (int x = 0; x <= last_x; ++x)
-        border += (mask.row(0)[x] != 0 ? 1 : 0) + (mask.row(last_y)[x] != 0 ? 1 : 0);
-    for (int y = 0; y <= last_y; ++y)
-        border += (mask.row(y)[0] != 0 ? 1 : 0) + (mask.row(y)[last_x] != 0 ? 1 : 0);
-    const auto num = std::count(mask.data.begin(), mask.data.end(), std::uint8_t{255});
-    return border > kNearlyAll * 2 * (mask.width + mask.height) &&
-           static_cast<double>(num) > kMost * static_cast<double>(mask.data.size());
 }
 
 }  // namespace

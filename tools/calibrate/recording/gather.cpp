@@ -222,6 +222,10 @@ Expected<void> Gatherer::gather_masks() {
         if (std::ranges::any_of(masks_, &Shots::is_mask))
             std::erase_if(masks_, [](const Shots& shots) { return !shots.is_mask; });
     }
+    if (masks_.empty() && folders_.invert_masks) {
+        return make_error(ErrorKind::kConfiguration,
+                          "--invert-masks: no masks were found; give their folder with --masks");
+    }
     if (masks_.empty() && !is_named) return {};
     auto matches = match_shots(with_frames_, masks_);
     if (!matches) return make_error(matches.error().kind, "masks: " + matches.error().message);
@@ -249,6 +253,7 @@ Expected<void> Gatherer::gather_masks() {
     for (const auto& [camera, shots] : material_.masks)
         report_truncated(camera + "', masks", shots);
     if (auto fitting = check_mask_sizes(material_); !fitting) return fitting;
+    if (auto right = check_mask_values(material_, folders_.invert_masks); !right) return right;
     return align_masks();
 }
 

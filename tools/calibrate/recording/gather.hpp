@@ -15,6 +15,7 @@ struct PictureFolders {
     std::filesystem::path frames;
     std::filesystem::path background;  // empty: below `frames`, by name
     std::filesystem::path masks;       // empty: below `frames`, by name
+    bool invert_masks = false;         // people are black in them
 };
 
 /// The pictures of a rig, found in folders of another program.
@@ -35,7 +36,8 @@ struct Material {
 
 /// Finds frames, backgrounds and masks of these cameras. Errors of `find_shots` and `match_shots`,
 /// and kConfiguration if fewer than two cameras have frames, if their pictures have no number in
-/// common, or if only some have masks in a folder that the user named.
+/// common, if only some have masks in a folder that the user named, or if masks have another size
+/// than their pictures or look inverted.
 Expected<Material> gather(const std::vector<std::string>& cameras, const PictureFolders& folders);
 
 }  // namespace atrium::calibrate
