@@ -50,6 +50,7 @@ public:
 
     Expected<Conclusion> run() {
         result_.told = foreign_.notes;
+        result_.problems = foreign_.problems;
         read_poses();
         if (auto scaled = find_scale(); !scaled) return tl::unexpected(scaled.error());
         if (auto up = find_up(); !up) return tl::unexpected(up.error());
@@ -61,6 +62,7 @@ public:
 
 private:
     void read_poses();
+    void report_elsewhere(std::size_t camera);
     Expected<void> find_scale();
     Expected<double> said_scale() const;
     Expected<void> find_up();
@@ -97,8 +99,10 @@ void Concluder::read_poses() {
     for (std::size_t i = 0; i < cameras_.size(); ++i)
         cameras_[i].camera_from_site = camera_from_site(poses_[i], choice.reading);
     const Convergence convergence = measure_convergence(cameras_);
+    const std::vector<bool> looks = look_at_one_place(cameras_);
+    const auto num_looking = static_cast<std::size_t>(std::ranges::count(looks, true));
     const std::string looking =
-        fmt::format("{} of {} cameras look at one place", convergence.num_looking, cameras_.size());
+        fmt::format("{} of {} cameras look at one place", num_looking, cameras_.size());
     if (is_said || choice.is_documented) {
         tell(fmt::format("poses: {}{}: {}",
                          describe(choice.reading),
@@ -120,17 +124,35 @@ void Concluder::read_poses() {
                         as_documented.num_looking,
                         option_of(wanted)));
     }
-    if (2 * convergence.num_looking < cameras_.size() + 1) {
+    if (2 * num_looking < cameras_.size() + 1) {
         problem(
             fmt::format("poses: only {}: the cameras do not look at one room, or the poses mean "
                         "something else; check the calibration, or say --direction and --axes",
                         looking));
-    } else if (!is_said && !choice.also_possible.empty()) {
+        return;
+    }
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
+        if (!looks[i]) report_elsewhere(i);
+    if (!is_said && !choice.also_possible.empty()) {
         check(
             fmt::format("poses: {} would fit the cameras as well; if the person is broken, try {}",
                         describe(choice.also_possible.front()),
                         option_of(choice.also_possible.front())));
     }
+}
+
+// `camera` does not look at the place that most cameras look at.
+void Concluder::report_elsewhere(std::size_t camera) {
+    const ForeignPose& pose = poses_[camera];
+    const bool is_default =
+        pose.rotation.isIdentity(1e-9) && pose.vector.isZero(1e-9) && foreign_.has_frame;
+    problem(fmt::format(
+        "poses: camera '{}' does not look at the place that the others look at: {}; remove it from "
+        "the calibration if it is to look elsewhere",
+        cameras_[camera].name,
+        is_default ? "its pose is the origin, so it was probably never calibrated: calibrate it"
+                   : "its pose in the file is probably wrong, or older than the others: calibrate "
+                     "it again"));
 }
 
 Expected<std::size_t> Concluder::index_of(const std::string& name) const {
@@ -328,33 +350,6 @@ Expected<void> Concluder::find_floor() {
 }
 
 }  // namespace
-
-Expected<void> set_picture_size(ForeignCamera& camera, const std::array<int, 2>& size) {
-    geometry::PinholeCamera& k = camera.lens;
-    const double scale_x = k.width > 0 ? static_cast<double>(size[0]) / k.width : 1.0;
-    const double scale_y = k.height > 0 ? static_cast<double>(size[1]) / k.height : 1.0;
-    if (std::abs(scale_x / scale_y - 1.0) > 0.01) {
-        return needs(fmt::format(
-            "camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px, which is another "
-            "shape: {}",
-            camera.name,
-            k.width,
-            k.height,
-            size[0],
-            size[1],
-            std::abs(k.width * size[0] - k.height * size[1]) < 0.02 * k.width * size[0]
-                ? "they were turned; export them as the camera took them"
-                : "they were cropped; export whole pictures"));
-    }
-    k.fx *= scale_x;
-    k.fy *= scale_y;
-    k.skew *= scale_x;
-    k.cx = (k.cx + 0.5) * scale_x - 0.5;  // the border of the picture is at -0.5
-    k.cy = (k.cy + 0.5) * scale_y - 0.5;
-    k.width = size[0];
-    k.height = size[1];
-    return {};
-}
 
 Expected<Conclusion> conclude(const ForeignRig& foreign, const Said& said) {
     ForeignRig sized = foreign;
