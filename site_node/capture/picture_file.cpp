@@ -276,6 +276,8 @@ Expected<void> PictureFile::read(std::size_t index, image::YuvImage& out) {
     return {};
 }
 
+PictureSize PictureFile::size_read() const { return {impl_->decoded.cols, impl_->decoded.rows}; }
+
 std::size_t PictureFile::first_picture() const {
     return impl_->images.empty() ? 0 : impl_->images.begin()->first;
 }

@@ -43,6 +43,9 @@ public:
     /// Errors: kNotFound if this number is missing, kInvalidData if it cannot be decoded.
     Expected<void> read(std::size_t index, image::YuvImage& out);
 
+    /// Size in its file of the picture that was read last. `read` loses an odd last row or column.
+    PictureSize size_read() const;
+
     /// Lowest number of a sequence; 0 for a video.
     std::size_t first_picture() const;
 

@@ -55,6 +55,24 @@ tl::unexpected<Error> wrong_size(const fs::path& file,
                                   expected.height));
 }
 
+// The pictures of the camera have the rig's size, so the plate is wrong.
+tl::unexpected<Error> wrong_plate(const fs::path& file,
+                                  std::size_t index,
+                                  const PictureSize& size,
+                                  const geometry::PinholeCamera& expected) {
+    return make_error(
+        ErrorKind::kInvalidData,
+        fmt::format("{0}: picture {1} of the empty room has {2}x{3} px, but the pictures of this "
+                    "camera have {4}x{5} (rig.toml): film the empty room with the same settings of "
+                    "the camera, or scale it as a whole to {4}x{5}",
+                    file.string(),
+                    index,
+                    size.width,
+                    size.height,
+                    expected.width,
+                    expected.height));
+}
+
 }  // namespace
 
 // Pictures of one camera, and optional masks beside them.
@@ -94,7 +112,7 @@ public:
         CameraFrame frame;
         auto picture = std::make_shared<image::YuvImage>();
         if (auto read = pictures_.read(index, *picture); !read) return tl::unexpected(read.error());
-        const PictureSize size{picture->width(), picture->height()};
+        const PictureSize size = pictures_.size_read();
         if (!fits(size, expected_))
             return wrong_size(
                 pictures_.path(), fmt::format("frame {} has", index), size, expected_);
@@ -244,13 +262,9 @@ Expected<void> RecordingSource::show_background_of(std::size_t camera,
             if (i > 0 && pictures->is_video()) break;
             return tl::unexpected(read.error());
         }
-        const PictureSize size{picture.width(), picture.height()};
-        if (const auto& expected = rig_.cameras[camera].intrinsics; !fits(size, expected)) {
-            return wrong_size(pictures->path(),
-                              fmt::format("picture {} of the empty room has", i),
-                              size,
-                              expected);
-        }
+        const PictureSize size = pictures->size_read();
+        if (const auto& expected = rig_.cameras[camera].intrinsics; !fits(size, expected))
+            return wrong_plate(pictures->path(), i, size, expected);
         if (!sink(camera, picture)) break;
     }
     return {};

@@ -21,6 +21,13 @@ std::vector<std::string> names_of(const ForeignRig& rig) {
     return names;
 }
 
+std::vector<std::string> moved(const ForeignRig& rig) {
+    std::vector<std::string> names;
+    for (const ForeignCamera& camera : rig.cameras)
+        if (camera.has_moved) names.push_back(camera.name);
+    return names;
+}
+
 std::vector<std::string> comments(const ForeignRig& foreign,
                                   const ImportOptions& options,
                                   const Conclusion& conclusion) {
@@ -105,9 +112,9 @@ Expected<void> prove(const fs::path& folder, std::size_t first_complete) {
 }
 
 Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
-    auto material =
-        gather(names_of(rig),
-               {options.recording, options.background, options.masks, options.invert_masks});
+    auto material = gather(
+        names_of(rig),
+        {options.recording, options.background, options.masks, options.invert_masks, moved(rig)});
     if (!material) return material;
     std::erase_if(rig.cameras, [&](const ForeignCamera& camera) {
         return !material->frames.contains(camera.name);

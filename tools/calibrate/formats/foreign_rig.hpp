@@ -16,6 +16,7 @@ struct ForeignCamera {
     geometry::PinholeCamera lens;  // width 0: the file does not say
     bool has_lens = false;
     std::optional<ForeignPose> pose;
+    bool has_moved = false;  // `pose` is the first of several
 };
 
 /// The cameras of one or more files of another program. Lengths are in the unit of the file.

@@ -13,9 +13,10 @@ namespace atrium::calibrate {
 /// Where the pictures of a rig are searched.
 struct PictureFolders {
     std::filesystem::path frames;
-    std::filesystem::path background;  // empty: below `frames`, by name
-    std::filesystem::path masks;       // empty: below `frames`, by name
-    bool invert_masks = false;         // people are black in them
+    std::filesystem::path background;   // empty: below `frames`, by name
+    std::filesystem::path masks;        // empty: below `frames`, by name
+    bool invert_masks = false;          // people are black in them
+    std::vector<std::string> optional;  // cameras that moved: not missed without pictures
 };
 
 /// The pictures of a rig, found in folders of another program.
@@ -28,6 +29,7 @@ struct Material {
     std::size_t first_complete = 0;            // instant of the recording that all cameras show
     std::map<std::string, Look> looks;         // of the frames
     std::vector<std::string> missing;          // cameras without frames
+    std::vector<std::string> left_out;         // the same, of those that may lack them
     std::vector<std::string> told;
     std::vector<std::string> checks;    // assumptions, with the option that changes them
     std::vector<std::string> problems;  // that make a site fail, or lose people; with the cure

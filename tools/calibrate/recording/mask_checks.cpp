@@ -35,6 +35,36 @@ Expected<void> check_mask_sizes(const Material& material) {
         fmt::format("masks of {} have another size than the pictures: {}", listed(wrong), first));
 }
 
+Expected<void> check_background_sizes(const Material& material) {
+    std::vector<std::string> wrong;
+    std::string first;
+    for (const auto& [camera, shots] : material.backgrounds) {
+        const auto room = look_at(shots);
+        if (!room) return tl::unexpected(room.error());
+        const Look& frame = material.looks.at(camera);
+        // as a site reads them, without an odd last row or column
+        if (room->width / 2 == frame.width / 2 && room->height / 2 == frame.height / 2) continue;
+        wrong.push_back(camera);
+        if (!first.empty()) continue;
+        const auto& file = shots.is_video ? shots.path : shots.pictures.begin()->second;
+        first = fmt::format(
+            "{} has {}x{} px, the pictures of '{}' {}x{}; film the empty room with the same "
+            "settings of the camera, or scale copies as a whole, and import again",
+            file.string(),
+            room->width,
+            room->height,
+            camera,
+            frame.width,
+            frame.height);
+    }
+    if (wrong.empty()) return {};
+    return make_error(ErrorKind::kConfiguration,
+                      fmt::format("background: the empty room of {} has another size than the "
+                                  "pictures: {}",
+                                  listed(wrong),
+                                  first));
+}
+
 Expected<image::Mask> read_mask(const std::filesystem::path& file, bool inverted) {
     image::Mask mask;
     auto picture = capture::PictureFile::of(file);

@@ -11,6 +11,9 @@ namespace atrium::calibrate {
 /// these cameras, and the cure.
 Expected<void> check_mask_sizes(const Material& material);
 
+/// The same of pictures of the empty room.
+Expected<void> check_background_sizes(const Material& material);
+
 /// The mask in a file; `inverted`: people are black there. Errors of capture::PictureFile.
 Expected<image::Mask> read_mask(const std::filesystem::path& file, bool inverted);
 
