@@ -128,5 +128,50 @@ TEST_F(Mistakes, DecimalCommasAreNamed) {
                 AllOf(HasSubstr("cameras.txt:"), HasSubstr("decimals have a point")));
 }
 
+TEST_F(Mistakes, AHeightSaysWhereThenTheCamerasLook) {
+    Said said;
+    const double height = cameras_[0].centre_site().z();
+    said.height = Said::Height{"cam1", height};
+    const std::string text = test::opencv_yaml(cameras_, 1000.0);
+    const auto right = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(right);
+    EXPECT_THAT(right->told, Contains(HasSubstr("as you say, so the cameras look at a place ")));
+    EXPECT_THAT(right->checks, Not(Contains(HasSubstr("floor"))));
+    said.height->metres = height + 2.0;
+    const auto high = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(high);
+    EXPECT_THAT(high->checks,
+                Contains(AllOf(testing::ContainsRegex("look at a place (2.[89]|3.[01])"),
+                               HasSubstr("m above it"),
+                               HasSubstr("--camera-height cam1 METRES"))));
+    said.height->metres = height - 2.0;
+    const auto low = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(low);
+    EXPECT_THAT(low->checks,
+                Contains(AllOf(testing::ContainsRegex("look at a place (0.[89]|1.[01])"),
+                               HasSubstr("m below it"))));
+}
+
+TEST_F(Mistakes, AnUpThatTurnsPeopleOverIsAProblem) {
+    Said said;
+    said.up = "-Z";
+    const std::string text = test::opencv_yaml(cameras_, 1000.0);
+    const auto over = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(over);
+    EXPECT_THAT(over->problems,
+                ElementsAre(AllOf(HasSubstr(", -1.00) of the new frame"),
+                                  HasSubstr("stand on their heads: say --up +Z, or leave --up out"),
+                                  Not(HasSubstr("-0.00")))));
+    // below the floor now, which is that of the new frame
+    EXPECT_THAT(over->checks,
+                Contains(AllOf(HasSubstr("z = 0 of the new frame"), HasSubstr("m below it"))));
+    said.up = "+X";
+    const auto side = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(side);
+    EXPECT_THAT(side->problems, ElementsAre(HasSubstr("lie on their side: say --up +Z")));
+    said.up = "+Z";
+    EXPECT_THAT(conclude_from("a.yml", text, said)->problems, IsEmpty());
+}
+
 }  // namespace
 }  // namespace atrium::calibrate
