@@ -190,8 +190,8 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
         return make_error(
             ErrorKind::kInvalidData,
             fmt::format("recording '{0}': the masks look inverted: white covers the borders of the "
-                        "pictures, but people must be white; invert them, for example with mogrify "
-                        "-negate {0}/*/silhouettes/*.png",
+                        "pictures, but people must be white; if `calibrate import` made it, import "
+                        "again with --invert-masks; else mogrify -negate {0}/*/silhouettes/*.png",
                         options.folder.string()));
     }
     if (source->num_frames_ == 0 || source->num_frames_ > kMaxFrames) {

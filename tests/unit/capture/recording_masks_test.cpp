@@ -153,6 +153,7 @@ TEST_F(MasksOnDisk, OfPeopleInBlackAreRefused) {
     const auto source = RecordingSource::open({folder_});
     ASSERT_FALSE(source);
     EXPECT_THAT(source.error().message, HasSubstr("the masks look inverted"));
+    EXPECT_THAT(source.error().message, HasSubstr("import again with --invert-masks"));
     // one camera may be close to somebody
     write("b/silhouettes/000000.png", half(CV_8UC1, 255, 0));
     EXPECT_TRUE(RecordingSource::open({folder_}));
