@@ -242,6 +242,13 @@ Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::strin
     return file;
 }
 
+PictureFile PictureFile::of(const fs::path& picture) {
+    PictureFile file;
+    file.impl_->images[0] = file.impl_->path = picture;
+    file.impl_->num_pictures = 1;
+    return file;
+}
+
 const fs::path& PictureFile::path() const { return impl_->path; }
 bool PictureFile::is_video() const { return impl_->is_video; }
 std::size_t PictureFile::num_pictures() const { return impl_->num_pictures; }
@@ -268,6 +275,8 @@ Expected<void> PictureFile::read(std::size_t index, image::YuvImage& out) {
     image::yuv_from_bgr(bgr.data, bgr.cols, bgr.rows, bgr.step[0], out);
     return {};
 }
+
+PictureSize PictureFile::size_read() const { return {impl_->decoded.cols, impl_->decoded.rows}; }
 
 std::size_t PictureFile::first_picture() const {
     return impl_->images.empty() ? 0 : impl_->images.begin()->first;

@@ -29,6 +29,9 @@ public:
     /// this order. Error kNotFound lists the names tried.
     static Expected<PictureFile> find(const std::filesystem::path& folder, const std::string& stem);
 
+    /// One picture, number 0, whatever its name.
+    static PictureFile of(const std::filesystem::path& picture);
+
     const std::filesystem::path& path() const;
     bool is_video() const;
     /// Highest number + 1 of a sequence; for a video the number in its header.
@@ -39,6 +42,9 @@ public:
 
     /// Errors: kNotFound if this number is missing, kInvalidData if it cannot be decoded.
     Expected<void> read(std::size_t index, image::YuvImage& out);
+
+    /// Size in its file of the picture that was read last. `read` loses an odd last row or column.
+    PictureSize size_read() const;
 
     /// Lowest number of a sequence; 0 for a video.
     std::size_t first_picture() const;

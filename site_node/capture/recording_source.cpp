@@ -1,6 +1,7 @@
 #include "site_node/capture/recording_source.hpp"
 
 #include "core/base/looked_up.hpp"
+#include "site_node/capture/mask_file.hpp"
 #include "site_node/capture/pace.hpp"
 #include "site_node/capture/picture_file.hpp"
 
@@ -54,20 +55,22 @@ tl::unexpected<Error> wrong_size(const fs::path& file,
                                   expected.height));
 }
 
-// True if people are black: foreground covers most of the picture and nearly all of its border.
-bool looks_inverted(const image::Mask& mask) {
-    constexpr double kMost = 0.5;
-    constexpr double kNearlyAll = 0.9;
-    const int last_x = mask.width - 1;
-    const int last_y = mask.height - 1;
-    int border = 0;
-    for (int x = 0; x <= last_x; ++x)
-        border += (mask.row(0)[x] != 0 ? 1 : 0) + (mask.row(last_y)[x] != 0 ? 1 : 0);
-    for (int y = 0; y <= last_y; ++y)
-        border += (mask.row(y)[0] != 0 ? 1 : 0) + (mask.row(y)[last_x] != 0 ? 1 : 0);
-    const auto num = std::count(mask.data.begin(), mask.data.end(), std::uint8_t{255});
-    return border > kNearlyAll * 2 * (mask.width + mask.height) &&
-           static_cast<double>(num) > kMost * static_cast<double>(mask.data.size());
+// The pictures of the camera have the rig's size, so the plate is wrong.
+tl::unexpected<Error> wrong_plate(const fs::path& file,
+                                  std::size_t index,
+                                  const PictureSize& size,
+                                  const geometry::PinholeCamera& expected) {
+    return make_error(
+        ErrorKind::kInvalidData,
+        fmt::format("{0}: picture {1} of the empty room has {2}x{3} px, but the pictures of this "
+                    "camera have {4}x{5} (rig.toml): film the empty room with the same settings of "
+                    "the camera, or scale it as a whole to {4}x{5}",
+                    file.string(),
+                    index,
+                    size.width,
+                    size.height,
+                    expected.width,
+                    expected.height));
 }
 
 }  // namespace
@@ -109,7 +112,7 @@ public:
         CameraFrame frame;
         auto picture = std::make_shared<image::YuvImage>();
         if (auto read = pictures_.read(index, *picture); !read) return tl::unexpected(read.error());
-        const PictureSize size{picture->width(), picture->height()};
+        const PictureSize size = pictures_.size_read();
         if (!fits(size, expected_))
             return wrong_size(
                 pictures_.path(), fmt::format("frame {} has", index), size, expected_);
@@ -187,8 +190,8 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
         return make_error(
             ErrorKind::kInvalidData,
             fmt::format("recording '{0}': the masks look inverted: white covers the borders of the "
-                        "pictures, but people must be white; invert them, for example with mogrify "
-                        "-negate {0}/*/silhouettes/*.png",
+                        "pictures, but people must be white; if `calibrate import` made it, import "
+                        "again with --invert-masks; else mogrify -negate {0}/*/silhouettes/*.png",
                         options.folder.string()));
     }
     if (source->num_frames_ == 0 || source->num_frames_ > kMaxFrames) {
@@ -259,13 +262,9 @@ Expected<void> RecordingSource::show_background_of(std::size_t camera,
             if (i > 0 && pictures->is_video()) break;
             return tl::unexpected(read.error());
         }
-        const PictureSize size{picture.width(), picture.height()};
-        if (const auto& expected = rig_.cameras[camera].intrinsics; !fits(size, expected)) {
-            return wrong_size(pictures->path(),
-                              fmt::format("picture {} of the empty room has", i),
-                              size,
-                              expected);
-        }
+        const PictureSize size = pictures->size_read();
+        if (const auto& expected = rig_.cameras[camera].intrinsics; !fits(size, expected))
+            return wrong_plate(pictures->path(), i, size, expected);
         if (!sink(camera, picture)) break;
     }
     return {};

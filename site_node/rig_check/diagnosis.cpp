@@ -202,10 +202,11 @@ private:
         if (!convinces(best_share)) return std::nullopt;
         return Diagnosis{
             Cause::kOneCamera,
-            fmt::format("{} contradicts all others: it was moved since the calibration, "
-                        "its entry in the rig is wrong, or its silhouettes are; look "
-                        "at them with --preview",
-                        names_[best]),
+            fmt::format(
+                "{} contradicts all others: it was moved since the calibration, "
+                "its entry in the rig is wrong, its pictures are of another instant, or its "
+                "silhouettes are wrong; look at them with --preview",
+                names_[best]),
             share_,
             best_share,
             {names_[best]}};

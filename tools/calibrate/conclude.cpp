@@ -18,24 +18,16 @@ constexpr double kHighestAim_m = 2.5;
 constexpr double kUsualAim_m = 1.0;
 // Above this, as a sine, the cameras contradict the direction that is up.
 constexpr double kCrooked = 0.35;
+constexpr double kLyingDown = 0.7071;  // cosine: more than 45 degrees off up
 
 tl::unexpected<Error> needs(const std::string& text) {
     return make_error(ErrorKind::kConfiguration, text);
 }
 
-const char* option_of(const Reading& reading) {
-    switch (reading.pose) {
-        case Reading::Pose::kCameraFromSite:
-            return reading.opengl ? "--direction camera_from_site --axes opengl"
-                                  : "--direction camera_from_site --axes opencv";
-        case Reading::Pose::kSiteFromCamera:
-            return reading.opengl ? "--direction site_from_camera --axes opengl"
-                                  : "--direction site_from_camera --axes opencv";
-        case Reading::Pose::kRotationAndPosition:
-            break;
-    }
-    return reading.opengl ? "--direction position --axes opengl"
-                          : "--direction position --axes opencv";
+// "(0.00, 1.00, 0.00)", without negative zeros.
+std::string vector_text(const Eigen::Vector3d& v) {
+    const auto rounded = [](double x) { return std::round(100.0 * x) / 100.0 + 0.0; };
+    return fmt::format("({:.2f}, {:.2f}, {:.2f})", rounded(v.x()), rounded(v.y()), rounded(v.z()));
 }
 
 // Concludes one thing after the other; each step leaves its sentences.
@@ -50,6 +42,7 @@ public:
 
     Expected<Conclusion> run() {
         result_.told = foreign_.notes;
+        result_.problems = foreign_.problems;
         read_poses();
         if (auto scaled = find_scale(); !scaled) return tl::unexpected(scaled.error());
         if (auto up = find_up(); !up) return tl::unexpected(up.error());
@@ -61,10 +54,13 @@ public:
 
 private:
     void read_poses();
+    void report_elsewhere(std::size_t camera);
     Expected<void> find_scale();
     Expected<double> said_scale() const;
     Expected<void> find_up();
     void check_up(const UpChoice& found);
+    void compare_up(const UpChoice& found, const Eigen::Vector3d& level);
+    void report_floor(double aim_m, bool is_of_file);
     Expected<void> find_floor();
     Expected<std::size_t> index_of(const std::string& name) const;
 
@@ -83,7 +79,8 @@ private:
     const Said& said_;
     Cameras cameras_;
     std::vector<ForeignPose> poses_;
-    bool is_turned_ = false;  // into a frame that is not the file's
+    bool is_turned_ = false;       // into a frame that is not the file's
+    bool is_turned_axis_ = false;  // z of the new frame is another axis of the file
     Conclusion result_;
 };
 
@@ -97,8 +94,10 @@ void Concluder::read_poses() {
     for (std::size_t i = 0; i < cameras_.size(); ++i)
         cameras_[i].camera_from_site = camera_from_site(poses_[i], choice.reading);
     const Convergence convergence = measure_convergence(cameras_);
+    const std::vector<bool> looks = look_at_one_place(cameras_);
+    const auto num_looking = static_cast<std::size_t>(std::ranges::count(looks, true));
     const std::string looking =
-        fmt::format("{} of {} cameras look at one place", convergence.num_looking, cameras_.size());
+        fmt::format("{} of {} cameras look at one place", num_looking, cameras_.size());
     if (is_said || choice.is_documented) {
         tell(fmt::format("poses: {}{}: {}",
                          describe(choice.reading),
@@ -120,17 +119,35 @@ void Concluder::read_poses() {
                         as_documented.num_looking,
                         option_of(wanted)));
     }
-    if (2 * convergence.num_looking < cameras_.size() + 1) {
+    if (2 * num_looking < cameras_.size() + 1) {
         problem(
             fmt::format("poses: only {}: the cameras do not look at one room, or the poses mean "
                         "something else; check the calibration, or say --direction and --axes",
                         looking));
-    } else if (!is_said && !choice.also_possible.empty()) {
+        return;
+    }
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
+        if (!looks[i]) report_elsewhere(i);
+    if (!is_said && !choice.also_possible.empty()) {
         check(
             fmt::format("poses: {} would fit the cameras as well; if the person is broken, try {}",
                         describe(choice.also_possible.front()),
                         option_of(choice.also_possible.front())));
     }
+}
+
+// `camera` does not look at the place that most cameras look at.
+void Concluder::report_elsewhere(std::size_t camera) {
+    const ForeignPose& pose = poses_[camera];
+    const bool is_default =
+        pose.rotation.isIdentity(1e-9) && pose.vector.isZero(1e-9) && foreign_.has_frame;
+    problem(fmt::format(
+        "poses: camera '{}' does not look at the place that the others look at: {}; remove it from "
+        "the calibration if it is to look elsewhere",
+        cameras_[camera].name,
+        is_default ? "its pose is the origin, so it was probably never calibrated: calibrate it"
+                   : "its pose in the file is probably wrong, or older than the others: calibrate "
+                     "it again"));
 }
 
 Expected<std::size_t> Concluder::index_of(const std::string& name) const {
@@ -173,7 +190,7 @@ Expected<void> Concluder::find_scale() {
     if (!foreign_.has_scale && said_.units.empty()) {
         return needs(
             fmt::format("{} has no scale: measure the distance between two cameras and give it in "
-                        "metres, for example --distance {} {} 2.35",
+                        "metres: --distance {} {} METRES",
                         foreign_.format,
                         cameras_[0].name,
                         cameras_[1].name));
@@ -184,7 +201,7 @@ Expected<void> Concluder::find_scale() {
         return needs(fmt::format(
             "lengths: the cameras are {:.3g} units from the place that they look at, which is no "
             "room in m, cm or mm; is one unit a square of the board? Measure the distance between "
-            "two cameras: --distance {} {} 2.35",
+            "two cameras: --distance {} {} METRES",
             distance,
             cameras_[0].name,
             cameras_[1].name));
@@ -221,16 +238,29 @@ Expected<void> Concluder::find_scale() {
 
 // The frame of the file stays, for +Z is up in every format that prescribes it.
 void Concluder::check_up(const UpChoice& found) {
-    const std::string why =
-        found.is_known ? fmt::format("the pictures are level along ({:.2f}, {:.2f}, {:.2f})",
-                                     found.up.x(),
-                                     found.up.y(),
-                                     found.up.z())
-                       : "the cameras are tilted too differently to tell";
+    const std::string why = found.is_known ? "the pictures are level along " + vector_text(found.up)
+                                           : "the cameras are tilted too differently to tell";
     check(
         fmt::format("up: {}; +Z of the file is taken; if people lie or stand on their heads, say "
                     "--up +Y, -Y, ...",
                     why));
+}
+
+// `level` is the direction along which the pictures are upright, in the new frame.
+void Concluder::compare_up(const UpChoice& found, const Eigen::Vector3d& level) {
+    if (level.z() > 1.0 - kCrooked) return;
+    const std::string text =
+        fmt::format("up: the pictures are upright along another direction, {} of the new frame",
+                    vector_text(level));
+    if (level.z() > kLyingDown) {
+        check(text);
+        return;
+    }
+    const std::string better = found.axis.empty() ? "" : "say --up " + found.axis + ", or ";
+    problem(fmt::format("{}, so people {}: {}leave --up out",
+                        text,
+                        level.z() < -kLyingDown ? "stand on their heads" : "lie on their side",
+                        better));
 }
 
 Expected<void> Concluder::find_up() {
@@ -250,11 +280,9 @@ Expected<void> Concluder::find_up() {
         up = found.up;
         is_turned_ = true;
         why = fmt::format(
-            "up: the direction ({:.2f}, {:.2f}, {:.2f}) of the file, along "
-            "which the pictures are level to {:.1f} degrees",
-            up.x(),
-            up.y(),
-            up.z(),
+            "up: the direction {} of the file, along which the pictures are level to {:.1f} "
+            "degrees",
+            vector_text(up),
             std::asin(std::min(found.tilt, 1.0)) * 57.2958);
         check("up: taken from the pictures' horizon, good to a degree or two; --up says better");
     } else {
@@ -263,15 +291,9 @@ Expected<void> Concluder::find_up() {
     }
     const geometry::RigidTransform site_from_file{upright_from(up), Eigen::Vector3d::Zero()};
     move(site_from_file.inverse());
+    is_turned_axis_ = up.z() < 0.999;
     const Eigen::Vector3d level = site_from_file.rotation * found.up;
-    if (found.is_known && level.z() < 1.0 - kCrooked) {
-        check(
-            fmt::format("up: the pictures are upright along another direction, ({:.2f}, {:.2f}, "
-                        "{:.2f}) of the new frame",
-                        level.x(),
-                        level.y(),
-                        level.z()));
-    }
+    if (found.is_known) compare_up(found, level);
     tell(why);
     if (said_.up.empty() && foreign_.up.empty() && found.other_up) {
         int axis = 0;
@@ -296,65 +318,61 @@ Expected<void> Concluder::find_floor() {
         const auto camera = index_of(said_.height->camera);
         if (!camera) return tl::unexpected(camera.error());
         origin.z() = cameras_[*camera].centre_site().z() - said_.height->metres;
-        tell(fmt::format("floor: {} hangs {} m above it, as you say",
-                         said_.height->camera,
-                         said_.height->metres));
     }
     move({Eigen::Quaterniond::Identity(), origin});
-    const double aim = convergence.point.z() - origin.z();
+    report_floor(convergence.point.z() - origin.z(), foreign_.has_frame && !is_turned_);
+    return {};
+}
+
+// The cameras look at a place `aim_m` above the new floor.
+void Concluder::report_floor(double aim_m, bool is_of_file) {
     double lowest = 1e9;
     for (const auto& camera : cameras_) lowest = std::min(lowest, camera.centre_site().z());
-    const bool is_plausible = aim > kLowestAim_m && aim < kHighestAim_m && lowest > -0.1;
-    if (said_.height) return {};
-    if (!foreign_.has_frame || is_turned_) {
+    const std::string aim =
+        fmt::format("{:.2f} m {} it", std::abs(aim_m), aim_m < 0.0 ? "below" : "above");
+    const bool is_plausible = aim_m > kLowestAim_m && aim_m < kHighestAim_m && lowest > -0.1;
+    if (said_.height) {
+        const std::string text = fmt::format(
+            "floor: {} hangs {} m above it, as you say, so the cameras "
+            "look at a place {}",
+            said_.height->camera,
+            said_.height->metres,
+            aim);
+        if (is_plausible) {
+            tell(text);
+        } else {
+            check(
+                fmt::format("{}, and the lowest camera is at {:.2f} m; if that is wrong, measure "
+                            "again: --camera-height {} METRES",
+                            text,
+                            lowest,
+                            said_.height->camera));
+        }
+    } else if (!is_of_file) {
         check(
             fmt::format("floor: unknown; {} m below what the cameras look at is assumed; measure "
-                        "the height of one camera: --camera-height {} 2.10",
+                        "the height of one camera: --camera-height {} METRES",
                         kUsualAim_m,
                         cameras_[0].name));
-    } else if (!is_plausible) {
-        check(
-            fmt::format("floor: z = 0 of the file is {:.2f} m below what the cameras look at, and "
-                        "the lowest camera is at {:.2f} m; if that is not the floor, measure the "
-                        "height of one camera: --camera-height {} 2.10",
-                        aim,
-                        lowest,
-                        cameras_[0].name));
     } else {
-        tell(fmt::format("floor: z = 0 of the file; the cameras look at a place {:.2f} m above it",
-                         aim));
+        const std::string text =
+            fmt::format("floor: z = 0 of the {}; the cameras look at a place {}",
+                        is_turned_axis_ ? "new frame" : "file",
+                        aim);
+        if (is_plausible) {
+            tell(text);
+        } else {
+            check(
+                fmt::format("{}, and the lowest camera is at {:.2f} m; if that is not the floor, "
+                            "measure the height of one camera: --camera-height {} METRES",
+                            text,
+                            lowest,
+                            cameras_[0].name));
+        }
     }
-    return {};
 }
 
 }  // namespace
-
-Expected<void> set_picture_size(ForeignCamera& camera, const std::array<int, 2>& size) {
-    geometry::PinholeCamera& k = camera.lens;
-    const double scale_x = k.width > 0 ? static_cast<double>(size[0]) / k.width : 1.0;
-    const double scale_y = k.height > 0 ? static_cast<double>(size[1]) / k.height : 1.0;
-    if (std::abs(scale_x / scale_y - 1.0) > 0.01) {
-        return needs(fmt::format(
-            "camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px, which is another "
-            "shape: {}",
-            camera.name,
-            k.width,
-            k.height,
-            size[0],
-            size[1],
-            std::abs(k.width * size[0] - k.height * size[1]) < 0.02 * k.width * size[0]
-                ? "they were turned; export them as the camera took them"
-                : "they were cropped; export whole pictures"));
-    }
-    k.fx *= scale_x;
-    k.fy *= scale_y;
-    k.skew *= scale_x;
-    k.cx = (k.cx + 0.5) * scale_x - 0.5;  // the border of the picture is at -0.5
-    k.cy = (k.cy + 0.5) * scale_y - 0.5;
-    k.width = size[0];
-    k.height = size[1];
-    return {};
-}
 
 Expected<Conclusion> conclude(const ForeignRig& foreign, const Said& said) {
     ForeignRig sized = foreign;

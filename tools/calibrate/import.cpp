@@ -21,6 +21,13 @@ std::vector<std::string> names_of(const ForeignRig& rig) {
     return names;
 }
 
+std::vector<std::string> moved(const ForeignRig& rig) {
+    std::vector<std::string> names;
+    for (const ForeignCamera& camera : rig.cameras)
+        if (camera.has_moved) names.push_back(camera.name);
+    return names;
+}
+
 std::vector<std::string> comments(const ForeignRig& foreign,
                                   const ImportOptions& options,
                                   const Conclusion& conclusion) {
@@ -105,7 +112,9 @@ Expected<void> prove(const fs::path& folder, std::size_t first_complete) {
 }
 
 Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
-    auto material = gather(names_of(rig), {options.recording, options.background, options.masks});
+    auto material = gather(
+        names_of(rig),
+        {options.recording, options.background, options.masks, options.invert_masks, moved(rig)});
     if (!material) return material;
     std::erase_if(rig.cameras, [&](const ForeignCamera& camera) {
         return !material->frames.contains(camera.name);
@@ -157,15 +166,23 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
             ErrorKind::kConfiguration,
             fmt::format("{}: exists already; give another -o, or --force", rig_file.string()));
     }
-    fs::remove(rig_file, failure);
-    if (auto made = make_recording(*material, options.output, {options.copy, options.force}); !made)
-        return tl::unexpected(made.error());
+    const auto made = make_recording(
+        *material, options.output, {options.copy, options.force, options.invert_masks});
+    if (!made) return tl::unexpected(made.error());
     const std::string text = rig_text(conclusion->rig, comments(foreign, options, *conclusion));
-    if (auto written = write_text(rig_file, text, options.force); !written)
+    if (auto written = write_text(rig_file, text, options.force); !written) {
+        remove_made(*made);
         return tl::unexpected(written.error());
+    }
     if (auto proven = prove(options.output, material->first_complete); !proven) {
-        fs::remove(rig_file, failure);  // not complete
-        return tl::unexpected(proven.error());
+        fs::remove(rig_file, failure);
+        remove_made(*made);
+        return make_error(proven.error().kind,
+                          fmt::format("{}; nothing was kept in {}: correct this in {}, and import "
+                                      "again",
+                                      proven.error().message,
+                                      options.output.string(),
+                                      options.recording.string()));
     }
     ImportReport report{
         material->told, material->checks, material->problems, next_commands(options)};

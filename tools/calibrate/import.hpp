@@ -21,6 +21,7 @@ struct ImportOptions {
     std::filesystem::path masks;       // folder with masks of the people
     std::string programs;              // before names of programs: "build/bin/"; or empty
     bool copy = false;
+    bool invert_masks = false;  // people are black in them
     bool force = false;
 };
 

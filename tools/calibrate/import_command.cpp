@@ -131,6 +131,11 @@ void add_picture_options(CLI::App& command, ImportOptions& options) {
                     "default: those below --recording with mask, silhouette, matte or seg in their "
                     "names")
         ->needs(recording);
+    command
+        .add_flag("--invert-masks",
+                  options.invert_masks,
+                  "people are black in the masks: write inverted copies instead of links")
+        ->needs(recording);
     command.add_flag("--copy", options.copy, "copy the pictures instead of linking them")
         ->needs(recording);
 }

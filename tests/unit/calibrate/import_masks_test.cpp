@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
+
 namespace atrium::calibrate {
 namespace {
 
@@ -153,6 +155,71 @@ TEST_F(ImportedMasks, OfAnotherSizeAreRefusedBeforeAnythingIsWritten) {
                       HasSubstr("'cam1' have 32x24 px, its pictures 64x48"),
                       HasSubstr("segmented/cam1/*.png")));
     EXPECT_FALSE(fs::exists(options_.output / "cam1"));
+}
+
+TEST_F(ImportedMasks, OfPeopleInBlackAreInvertedIfTheUserSaysSo) {
+    write_frames(100, 3);
+    options_.masks = folder_.path() / "segmented";
+    const auto write_all = [&](int people) {
+        for (int camera = 1; camera <= 3; ++camera) {
+            for (int i = 0; i < 3; ++i) {
+                const auto file = options_.masks / fmt::format("cam{}/{:04}.tif", camera, 100 + i);
+                fs::create_directories(file.parent_path());
+                cv::Mat mask(48, 64, CV_8UC1, cv::Scalar(255 - people));
+                mask(cv::Rect(20, 0, 10 + i, 40)).setTo(people);
+                ASSERT_TRUE(cv::imwrite(file.string(), mask));
+            }
+        }
+    };
+    write_all(0);
+    const auto refused = import(options_);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message,
+                AllOf(HasSubstr("masks: they look inverted"),
+                      HasSubstr("segmented/cam1/0100.tif"),
+                      HasSubstr("--invert-masks, and import again")));
+    EXPECT_FALSE(fs::exists(options_.output));
+    options_.invert_masks = true;
+    expect_masks(3);
+    EXPECT_FALSE(fs::is_symlink(options_.output / "cam1/silhouettes/000000.png"));
+    write_all(255);
+    options_.output = folder_.path() / "second";
+    EXPECT_THAT(import(options_).error().message, HasSubstr("leave --invert-masks out"));
+    fs::remove_all(options_.masks);
+    options_.masks.clear();
+    EXPECT_THAT(import(options_).error().message, HasSubstr("no masks were found"));
+}
+
+TEST_F(ImportedMasks, LeaveNothingBehindThatBlocksTheNextImport) {
+    write_frames(0, 3);
+    options_.masks = folder_.path() / "segmented";
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i)
+            write_mask(options_.masks / fmt::format("cam{}/{:04}.png", camera, i), i);
+    }
+    // the first complete instant is 2; its picture is read only after everything is written
+    for (const char* early : {"cam3/0000.png", "cam3/0001.png"}) fs::remove(options_.masks / early);
+    const fs::path bad = take("cam2/img_0002.png");
+    fs::remove(bad);
+    std::ofstream(bad) << "garbage";
+    const auto refused = import(options_);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message,
+                AllOf(HasSubstr("cam2/frames/000002.png"),
+                      HasSubstr("nothing was kept"),
+                      HasSubstr("and import again")));
+    EXPECT_FALSE(fs::exists(options_.output));
+    test::write_picture(bad, 64, 48, 40);
+    for (int i = 0; i < 2; ++i) write_mask(options_.masks / fmt::format("cam3/{:04}.png", i), i);
+    expect_masks(3);  // without --force
+    // a file that is no link: the recording that is there stays whole
+    const fs::path link = options_.output / "cam2/silhouettes/000001.png";
+    const fs::path source = fs::canonical(link);
+    fs::remove(link);
+    fs::copy_file(source, link);
+    options_.force = true;
+    EXPECT_THAT(import(options_).error().message, HasSubstr("only links are replaced"));
+    EXPECT_TRUE(capture::RecordingSource::open({.folder = options_.output}));
 }
 
 TEST_F(ImportedMasks, WithoutPicturesAreRefused) {

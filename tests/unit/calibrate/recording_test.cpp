@@ -77,6 +77,50 @@ TEST_F(ImportedRecording, SaysWhatIsMissingAndLeavesItOut) {
     EXPECT_TRUE(import(options_));
 }
 
+TEST_F(ImportedRecording, RefusesAnEmptyRoomOfAnotherSizeBeforeAnythingIsWritten) {
+    for (int camera = 1; camera <= 3; ++camera) {
+        write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 3);
+        write_picture(take(fmt::format("background/cam{}.png", camera)),
+                      camera == 2 ? 32 : 64,
+                      camera == 2 ? 25 : 48,
+                      10);
+    }
+    const auto report = import(options_);
+    ASSERT_FALSE(report);
+    EXPECT_THAT(report.error().message,
+                AllOf(HasSubstr("the empty room of 'cam2' has another size"),
+                      HasSubstr("background/cam2.png has 32x25 px, the pictures of 'cam2' 64x48")));
+    EXPECT_FALSE(fs::exists(options_.output));
+    write_picture(take("background/cam2.png"), 65, 49, 10);  // read without the odd row and column
+    EXPECT_TRUE(import(options_));
+}
+
+// A phone that walked about and helped COLMAP is no camera of the recording.
+TEST_F(ImportedRecording, LeavesOutCamerasThatMovedAndHaveNoPictures) {
+    std::string images = test::colmap_images_txt(cameras_, 1.0);
+    std::string lenses = test::colmap_cameras_txt(cameras_);
+    for (int i = 0; i < 120; ++i) {
+        images +=
+            fmt::format("{} 1 0 0 0 {} 0.5 2 1 phone/IMG_{:04}.jpg\n\n", 100 + i, 0.02 * i, 5 * i);
+    }
+    folder_.write("model/cameras.txt", lenses);
+    folder_.write("model/images.txt", images);
+    options_.files = {folder_.path() / "model"};
+    options_.said.distance = Said::Distance{"cam1", "cam2", 2.0};
+    for (int camera = 1; camera <= 3; ++camera)
+        write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 8);
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->told,
+                Contains(AllOf(HasSubstr("left out: 'phone': it moved, and has no pictures in"))));
+    EXPECT_THAT(report->problems, testing::Not(Contains(HasSubstr("left out"))));
+    fs::remove(take("cam3.avi"));
+    options_.output = folder_.path() / "second";
+    const auto fewer = import(options_);
+    ASSERT_TRUE(fewer) << fewer.error().message;
+    EXPECT_THAT(fewer->problems, Contains(HasSubstr("1 of 3 cameras left out")));
+}
+
 TEST_F(ImportedRecording, RefusesPicturesOfAnotherSizeUntilTold) {
     for (int camera = 1; camera <= 3; ++camera)
         write_video(take(fmt::format("cam{}.avi", camera)), 128, 96, 3);

@@ -54,6 +54,7 @@ struct Score {
     int right = 0;
     int wrong = 0;
     int silent = 0;
+    std::string text;  // of the last right diagnosis
 };
 template <typename Spoil>
 Score score_of(Cause cause, const Spoil& spoil) {
@@ -65,6 +66,7 @@ Score score_of(Cause cause, const Spoil& spoil) {
         const auto diagnosis = diagnose(views, {});
         const bool is_right = diagnosis && diagnosis->cause == cause;
         const bool is_certain = diagnosis && diagnosis->cause != Cause::kUnknown;
+        if (is_right) score.text = diagnosis->text;
         ++(is_right ? score.right : is_certain ? score.wrong : score.silent);
     }
     return score;
@@ -127,6 +129,8 @@ TEST(Diagnosis, FindsTheOneCameraThatMoved) {
     });
     EXPECT_GE(score.right, of_seeds(6));
     EXPECT_LE(score.wrong, 2);
+    EXPECT_NE(score.text.find("its pictures are of another instant"), std::string::npos)
+        << score.text;
 }
 
 }  // namespace

@@ -161,8 +161,9 @@ Expected<ForeignRig> rig_of(const ColmapModel& model, const std::string& where) 
     for (const auto& [name, all] : centres) firsts.push_back(all.front());
     const double size = farthest(firsts);
     for (const auto& [name, all] : centres) {
-        const double moved = all.size() > 100 ? 0.0 : farthest(all);
+        const double moved = farthest(all);
         if (moved <= 0.01 * size) continue;
+        std::ranges::find(rig.cameras, name, &ForeignCamera::name)->has_moved = true;
         rig.notes.push_back(fmt::format(
             "camera '{}': its {} images stand up to {:.1f} % of the rig's size apart, so it moved, "
             "or COLMAP erred; the first is used",

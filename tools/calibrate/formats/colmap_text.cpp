@@ -1,6 +1,7 @@
 // cameras.txt: ID MODEL WIDTH HEIGHT PARAMS...; images.txt: two lines per image, ID QW QX QY QZ TX
 // TY TZ CAMERA_ID NAME, and its points, which are skipped.
 #include "tools/calibrate/formats/colmap_model.hpp"
+#include "tools/calibrate/formats/data_tree.hpp"
 
 #include <fmt/format.h>
 
@@ -39,6 +40,8 @@ Expected<void> read_cameras(const std::filesystem::path& file, ColmapModel& mode
             return wrong_line(file, number, "expected: CAMERA_ID MODEL WIDTH HEIGHT PARAMS");
         for (double value = 0.0; words >> value && camera.parameters.size() < 32;)
             camera.parameters.push_back(value);
+        if (const std::string word = decimal_comma(line); !word.empty())
+            return wrong_line(file, number, comma_is_no_point(word));
         model.cameras[id] = std::move(camera);
         if (model.cameras.size() > kMaxColmapImages)
             return wrong_line(file, number, "too many cameras");
@@ -65,6 +68,8 @@ Expected<void> read_colmap_text(const std::filesystem::path& cameras,
         if (!(words >> id >> q.w() >> q.x() >> q.y() >> q.z() >> t.x() >> t.y() >> t.z() >>
               image.camera >> std::ws) ||
             !std::getline(words, image.name)) {
+            const std::string word = decimal_comma(line);
+            if (!word.empty()) return wrong_line(images, number, comma_is_no_point(word));
             return wrong_line(
                 images, number, "expected: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
         }

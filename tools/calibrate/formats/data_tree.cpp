@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -145,6 +146,34 @@ std::optional<double> number(const Tree& value) {
     const auto all = numbers(value);
     if (!all || all->size() != 1) return std::nullopt;
     return all->front();
+}
+
+std::string decimal_comma(std::string_view text) {
+    std::istringstream words{std::string(text)};
+    for (std::string word; words >> word;) {
+        std::string with_point = word;
+        const std::size_t comma = with_point.find(',');
+        if (comma == std::string::npos || comma + 1 == with_point.size()) continue;
+        with_point[comma] = '.';
+        const char* const begin = with_point.c_str();
+        char* end = nullptr;
+        std::strtod(begin, &end);
+        if (end == begin + with_point.size()) return word;
+    }
+    return {};
+}
+
+std::string decimal_comma_in(const Tree& tree) {
+    if (tree.is_string()) return decimal_comma(tree.get_ref<const std::string&>());
+    if (!tree.is_structured()) return {};
+    for (const Tree& child : tree) {
+        if (std::string word = decimal_comma_in(child); !word.empty()) return word;
+    }
+    return {};
+}
+
+std::string comma_is_no_point(const std::string& word) {
+    return fmt::format("'{}' is not a number; decimals have a point", word);
 }
 
 const Tree* find(const Tree& map, std::initializer_list<const char*> keys) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// Files of named numbers, whatever their syntax. The bytes may be hostile.
@@ -35,6 +36,15 @@ std::optional<std::vector<double>> numbers(const Tree& value);
 
 /// The number of a value that is one, or a list of one; nullopt for anything else.
 std::optional<double> number(const Tree& value);
+
+/// The first word of a text that is a number but for its decimal comma, as "0,98"; else empty.
+std::string decimal_comma(std::string_view text);
+
+/// The same, of the strings in a tree.
+std::string decimal_comma_in(const Tree& tree);
+
+/// "'0,98' is not a number; decimals have a point".
+std::string comma_is_no_point(const std::string& word);
 
 /// The first of `keys` in a map, compared without case; nullptr if there is none.
 const Tree* find(const Tree& map, std::initializer_list<const char*> keys);

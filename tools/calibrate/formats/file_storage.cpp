@@ -137,9 +137,14 @@ Expected<Tree> parse_file_storage(const std::string& text, const std::string& na
             result = damaged(xml ? "not an XML file of OpenCV" : "not valid YAML");
         }
     } catch (const std::exception& failure) {
-        result =
-            damaged(fmt::format("not a file of OpenCV's FileStorage{}; the file may be cut off",
-                                place_of(failure.what())));
+        std::string words = text;
+        std::ranges::replace_if(
+            words, [](char c) { return c == '<' || c == '>'; }, ' ');
+        const std::string comma = decimal_comma(words);
+        result = damaged(
+            fmt::format("not a file of OpenCV's FileStorage{}; {}",
+                        place_of(failure.what()),
+                        comma.empty() ? "the file may be cut off" : comma_is_no_point(comma)));
     }
     cv::utils::logging::setLogLevel(level);
     return result;

@@ -16,19 +16,21 @@ struct ForeignCamera {
     geometry::PinholeCamera lens;  // width 0: the file does not say
     bool has_lens = false;
     std::optional<ForeignPose> pose;
+    bool has_moved = false;  // `pose` is the first of several
 };
 
 /// The cameras of one or more files of another program. Lengths are in the unit of the file.
 struct ForeignRig {
     std::string format;  // for messages, for example "Qualisys"
     std::vector<ForeignCamera> cameras;
-    bool is_sure_of_poses = false;   // the format leaves no choice of `documented`
-    Reading documented;              // what the format's documentation says of poses
-    std::string units;               // that the format prescribes; empty: none
-    bool has_scale = true;           // false: lengths have no unit at all
-    bool has_frame = true;           // false: the origin and axes mean nothing
-    std::string up;                  // that the format prescribes, for example "+Z"; or empty
-    std::vector<std::string> notes;  // what a reader should know, as sentences
+    bool is_sure_of_poses = false;      // the format leaves no choice of `documented`
+    Reading documented;                 // what the format's documentation says of poses
+    std::string units;                  // that the format prescribes; empty: none
+    bool has_scale = true;              // false: lengths have no unit at all
+    bool has_frame = true;              // false: the origin and axes mean nothing
+    std::string up;                     // that the format prescribes, for example "+Z"; or empty
+    std::vector<std::string> notes;     // what a reader should know, as sentences
+    std::vector<std::string> problems;  // cameras that are left out, with the cure
 };
 
 }  // namespace atrium::calibrate

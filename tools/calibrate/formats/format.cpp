@@ -195,11 +195,13 @@ Expected<ForeignRig> read_foreign(const Files& files, const std::string& format)
         return make_error(
             ErrorKind::kConfiguration,
             fmt::format("{}: {} cameras found as {}; a rig has 2 to {}: give the files of all "
-                        "cameras, or another --format",
+                        "cameras, or another --format{}{}",
                         where,
                         rig->cameras.size(),
                         rig->format,
-                        kMaxCameras));
+                        kMaxCameras,
+                        rig->problems.empty() ? "" : "; ",
+                        fmt::join(rig->problems, "; ")));
     }
     const bool is_complete = std::ranges::all_of(rig->cameras, [](const ForeignCamera& camera) {
         return camera.has_lens && camera.pose.has_value();

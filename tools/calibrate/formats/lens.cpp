@@ -88,9 +88,12 @@ Expected<void> set_lens(ForeignCamera& camera,
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("{}: camera '{}': {}", where, camera.name, what));
     };
-    const auto bad_matrix = wrong(
+    const std::size_t num = lens.matrix.size();
+    const auto bad_matrix = wrong(fmt::format(
         "its camera matrix must be 9 numbers (fx s cx, 0 fy cy, 0 0 1) or fx, fy, cx, cy in "
-        "pixels, with focal lengths above 0");
+        "pixels, with focal lengths above 0{}",
+        num == 8 || num == 18 ? "; a decimal comma makes two numbers of one: decimals have a point"
+                              : ""));
     if (auto set = set_matrix(k, lens, bad_matrix.value()); !set) return set;
     if (!lens.size.empty()) {
         if (lens.size.size() != 2 || !is_in(lens.size[0], 16, 8192) ||

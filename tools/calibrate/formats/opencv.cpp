@@ -287,11 +287,23 @@ Expected<ForeignRig> read_opencv(const Files& files) {
         if (auto added = collector.add(trees.back(), file); !added)
             return tl::unexpected(added.error());
     }
+    std::optional<Error> failure;
     for (const auto& [name, found] : collector.cameras()) {
         auto camera = camera_of(name, found, rig.notes);
-        if (!camera) return tl::unexpected(camera.error());
-        rig.cameras.push_back(std::move(*camera));
+        if (!camera && !failure) failure = camera.error();
+        if (camera) rig.cameras.push_back(std::move(*camera));
     }
+    const bool is_complete = !failure && rig.cameras.size() > 1 &&
+                             std::ranges::all_of(rig.cameras, [](const auto& camera) {
+                                 return camera.has_lens && camera.pose.has_value();
+                             });
+    // the likely cause
+    for (std::size_t i = 0; i < trees.size() && !is_complete; ++i) {
+        if (const std::string word = decimal_comma_in(trees[i]); !word.empty())
+            return make_error(ErrorKind::kInvalidData,
+                              fmt::format("{}: {}", files[i].string(), comma_is_no_point(word)));
+    }
+    if (failure) return tl::unexpected(*failure);
     return rig;
 }
 

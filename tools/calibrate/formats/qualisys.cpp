@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string_view>
 
 namespace atrium::calibrate {
 namespace {
@@ -95,6 +96,10 @@ Expected<ForeignCamera> qualisys_camera(const pugi::xml_node& node,
                                         std::vector<std::string>& notes) {
     ForeignCamera camera;
     camera.name = node.attribute("serial").value();
+    for (const char* name : {"fov_video", "transform", "intrinsic"}) {
+        if (const std::string bad = comma_in_attributes(node.child(name)); !bad.empty())
+            return wrong(where, camera, bad);
+    }
     if (auto read = read_intrinsic(node, where, camera, notes); !read)
         return tl::unexpected(read.error());
     const pugi::xml_node transform = node.child("transform");
@@ -111,6 +116,11 @@ Expected<ForeignCamera> qualisys_camera(const pugi::xml_node& node,
             where, camera, "r11 to r33 are no right-handed rotation; calibrate in QTM again");
     camera.pose = ForeignPose{*rotation, {values[9], values[10], values[11]}};
     return camera;
+}
+
+// QTM keeps the last pose of such a camera, or zeros.
+bool is_uncalibrated(const pugi::xml_node& node) {
+    return std::string_view(node.attribute("calibrated").value()) == "false";
 }
 
 }  // namespace
@@ -135,6 +145,13 @@ Expected<ForeignRig> read_qualisys(const Files& files) {
             const bool is_used = std::string(node.attribute("active").value()) != "0";
             if (!is_video || !is_used) {
                 ++num_markers;
+                continue;
+            }
+            if (is_uncalibrated(node)) {
+                rig.problems.push_back(fmt::format(
+                    "camera '{}' is not calibrated (QTM says so): left out; calibrate it in QTM, "
+                    "or go on without it: a hull from fewer cameras is thicker",
+                    node.attribute("serial").value()));
                 continue;
             }
             auto camera = qualisys_camera(node, file.string(), rig.notes);

@@ -76,6 +76,9 @@ Expected<ForeignCamera> vicon_camera(const pugi::xml_node& node,
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("{}: camera '{}': {}", where, camera.name, what));
     };
+    for (const pugi::xml_node& values : {node, frame}) {
+        if (const std::string bad = comma_in_attributes(values); !bad.empty()) return wrong(bad);
+    }
     const auto size = attribute_numbers(node, "SENSOR_SIZE", 2);
     const auto focal = attribute_number(frame, "FOCAL_LENGTH");
     const auto centre = attribute_numbers(frame, "PRINCIPAL_POINT", 2);

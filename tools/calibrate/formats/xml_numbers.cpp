@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -36,6 +37,9 @@ std::optional<std::vector<double>> attribute_numbers(const pugi::xml_node& node,
         if (failure != std::errc{} || !std::isfinite(value)) return std::nullopt;
         values.push_back(value);
         text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+        // "0,98" and "1.5px" are no numbers
+        if (!text.empty() && std::isspace(static_cast<unsigned char>(text.front())) == 0)
+            return std::nullopt;
     }
     return values;
 }
@@ -43,6 +47,16 @@ std::optional<std::vector<double>> attribute_numbers(const pugi::xml_node& node,
 std::optional<double> attribute_number(const pugi::xml_node& node, const char* name) {
     const auto values = attribute_numbers(node, name, 1);
     return values ? std::optional(values->front()) : std::nullopt;
+}
+
+std::string comma_in_attributes(const pugi::xml_node& node) {
+    for (const pugi::xml_attribute& attribute : node.attributes()) {
+        const std::string word = decimal_comma(attribute.value());
+        if (!word.empty())
+            return fmt::format(
+                "<{}> {}: {}", node.name(), attribute.name(), comma_is_no_point(word));
+    }
+    return {};
 }
 
 }  // namespace atrium::calibrate

@@ -19,6 +19,11 @@ Expected<void> load_xml(const std::filesystem::path& file, pugi::xml_document& d
 std::optional<std::vector<double>> attribute_numbers(const pugi::xml_node& node,
                                                      const char* name,
                                                      std::size_t count);
+/// The same, of one number.
 std::optional<double> attribute_number(const pugi::xml_node& node, const char* name);
+
+/// The first attribute with a number that has a decimal comma, for messages:
+/// "<transform> r11: '0,98' is not a number; decimals have a point". Empty: there is none.
+std::string comma_in_attributes(const pugi::xml_node& node);
 
 }  // namespace atrium::calibrate

@@ -51,4 +51,19 @@ std::string describe(const Reading& reading) {
                                   : ", with the axes of OpenCV (+Z ahead, +Y down)");
 }
 
+const char* option_of(const Reading& reading) {
+    switch (reading.pose) {
+        case Reading::Pose::kCameraFromSite:
+            return reading.opengl ? "--direction camera_from_site --axes opengl"
+                                  : "--direction camera_from_site --axes opencv";
+        case Reading::Pose::kSiteFromCamera:
+            return reading.opengl ? "--direction site_from_camera --axes opengl"
+                                  : "--direction site_from_camera --axes opencv";
+        case Reading::Pose::kRotationAndPosition:
+            break;
+    }
+    return reading.opengl ? "--direction position --axes opengl"
+                          : "--direction position --axes opencv";
+}
+
 }  // namespace atrium::calibrate

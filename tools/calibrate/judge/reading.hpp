@@ -46,4 +46,7 @@ ForeignPose foreign_pose(const geometry::RigidTransform& camera_from_site, const
 /// For messages: "the poses are site_from_camera, with the axes of OpenGL".
 std::string describe(const Reading& reading);
 
+/// The options that say it: "--direction position --axes opengl".
+const char* option_of(const Reading& reading);
+
 }  // namespace atrium::calibrate

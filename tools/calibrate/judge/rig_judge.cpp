@@ -115,6 +115,26 @@ Convergence measure_convergence(Cameras cameras) {
     return result;
 }
 
+std::vector<bool> look_at_one_place(Cameras cameras) {
+    const auto looks_at = [&](const Eigen::Vector3d& point) {
+        std::vector<bool> looking;
+        for (const auto& camera : cameras) {
+            const Eigen::Vector3d to_point = point - camera.centre_site();
+            looking.push_back(axis_site(camera, 2).dot(to_point) >
+                              std::cos(kLooksWithin_rad) * to_point.norm());
+        }
+        return looking;
+    };
+    // others pull the point to them, so it is found again without them
+    const std::vector<bool> first = looks_at(nearest_to_axes(cameras));
+    std::vector<geometry::CalibratedCamera> most;
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+        if (first[i]) most.push_back(cameras[i]);
+    if (most.size() < 2) return first;
+    const std::vector<bool> second = looks_at(nearest_to_axes(most));
+    return std::ranges::count(second, true) < std::ranges::count(first, true) ? first : second;
+}
+
 ReadingChoice choose_reading(Cameras cameras,
                              std::span<const ForeignPose> poses,
                              const Reading& documented) {

@@ -25,6 +25,9 @@ struct Convergence {
 };
 Convergence measure_convergence(std::span<const geometry::CalibratedCamera> cameras);
 
+/// Says of each camera whether it looks at the place that most cameras look at.
+std::vector<bool> look_at_one_place(std::span<const geometry::CalibratedCamera> cameras);
+
 struct ReadingChoice {
     Reading reading;
     Convergence convergence;             // as read

@@ -89,7 +89,11 @@ Expected<void> Gatherer::gather_frames() {
     auto matches = match_shots(cameras_, frames_);
     if (!matches) return tl::unexpected(matches.error());
     material_.frames = std::move(matches->by_camera);
-    material_.missing = std::move(matches->missing);
+    for (const std::string& camera : matches->missing) {
+        const bool is_optional =
+            std::ranges::find(folders_.optional, camera) != folders_.optional.end();
+        (is_optional ? material_.left_out : material_.missing).push_back(camera);
+    }
     std::vector<std::string> labels;
     for (const auto& [camera, shots] : material_.frames) with_frames_.push_back(camera);
     for (const Shots& shots : frames_) {
@@ -119,12 +123,17 @@ Expected<void> Gatherer::gather_frames() {
                         labels.empty() ? "neither videos nor pictures" : listed(labels),
                         aside));
     }
+    if (!material_.left_out.empty()) {
+        tell(fmt::format("left out: {}: it moved, and has no pictures in {}",
+                         listed(material_.left_out),
+                         folders_.frames.string()));
+    }
     if (!material_.missing.empty()) {
         problem(fmt::format(
             "{} of {} cameras left out, because {} has no pictures of {}{}; a hull from fewer "
             "cameras is thicker: copy the pictures there, or give their folder the camera's name",
             material_.missing.size(),
-            cameras_.size(),
+            cameras_.size() - material_.left_out.size(),
             folders_.frames.string(),
             listed(material_.missing),
             labels.empty() ? "" : " (not used: " + listed(labels) + ")"));
@@ -222,6 +231,10 @@ Expected<void> Gatherer::gather_masks() {
         if (std::ranges::any_of(masks_, &Shots::is_mask))
             std::erase_if(masks_, [](const Shots& shots) { return !shots.is_mask; });
     }
+    if (masks_.empty() && folders_.invert_masks) {
+        return make_error(ErrorKind::kConfiguration,
+                          "--invert-masks: no masks were found; give their folder with --masks");
+    }
     if (masks_.empty() && !is_named) return {};
     auto matches = match_shots(with_frames_, masks_);
     if (!matches) return make_error(matches.error().kind, "masks: " + matches.error().message);
@@ -249,6 +262,7 @@ Expected<void> Gatherer::gather_masks() {
     for (const auto& [camera, shots] : material_.masks)
         report_truncated(camera + "', masks", shots);
     if (auto fitting = check_mask_sizes(material_); !fitting) return fitting;
+    if (auto right = check_mask_values(material_, folders_.invert_masks); !right) return right;
     return align_masks();
 }
 
@@ -332,6 +346,7 @@ Expected<void> Gatherer::gather_backgrounds() {
     if (!matches) return make_error(matches.error().kind, "background: " + matches.error().message);
     material_.backgrounds = std::move(matches->by_camera);
     if (!material_.masks.empty()) return {};
+    if (auto fitting = check_background_sizes(material_); !fitting) return fitting;
     if (matches->missing.empty()) {
         tell("background: the empty room was found for every camera");
     } else {

@@ -13,8 +13,10 @@ namespace atrium::calibrate {
 /// Where the pictures of a rig are searched.
 struct PictureFolders {
     std::filesystem::path frames;
-    std::filesystem::path background;  // empty: below `frames`, by name
-    std::filesystem::path masks;       // empty: below `frames`, by name
+    std::filesystem::path background;   // empty: below `frames`, by name
+    std::filesystem::path masks;        // empty: below `frames`, by name
+    bool invert_masks = false;          // people are black in them
+    std::vector<std::string> optional;  // cameras that moved: not missed without pictures
 };
 
 /// The pictures of a rig, found in folders of another program.
@@ -27,6 +29,7 @@ struct Material {
     std::size_t first_complete = 0;            // instant of the recording that all cameras show
     std::map<std::string, Look> looks;         // of the frames
     std::vector<std::string> missing;          // cameras without frames
+    std::vector<std::string> left_out;         // the same, of those that may lack them
     std::vector<std::string> told;
     std::vector<std::string> checks;    // assumptions, with the option that changes them
     std::vector<std::string> problems;  // that make a site fail, or lose people; with the cure
@@ -35,7 +38,8 @@ struct Material {
 
 /// Finds frames, backgrounds and masks of these cameras. Errors of `find_shots` and `match_shots`,
 /// and kConfiguration if fewer than two cameras have frames, if their pictures have no number in
-/// common, or if only some have masks in a folder that the user named.
+/// common, if only some have masks in a folder that the user named, or if masks have another size
+/// than their pictures or look inverted.
 Expected<Material> gather(const std::vector<std::string>& cameras, const PictureFolders& folders);
 
 }  // namespace atrium::calibrate

@@ -1,5 +1,7 @@
 #include "tools/calibrate/recording/mask_checks.hpp"
 
+#include "site_node/capture/mask_file.hpp"
+#include "site_node/capture/picture_file.hpp"
 #include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
@@ -31,6 +33,66 @@ Expected<void> check_mask_sizes(const Material& material) {
     return make_error(
         ErrorKind::kConfiguration,
         fmt::format("masks of {} have another size than the pictures: {}", listed(wrong), first));
+}
+
+Expected<void> check_background_sizes(const Material& material) {
+    std::vector<std::string> wrong;
+    std::string first;
+    for (const auto& [camera, shots] : material.backgrounds) {
+        const auto room = look_at(shots);
+        if (!room) return tl::unexpected(room.error());
+        const Look& frame = material.looks.at(camera);
+        // as a site reads them, without an odd last row or column
+        if (room->width / 2 == frame.width / 2 && room->height / 2 == frame.height / 2) continue;
+        wrong.push_back(camera);
+        if (!first.empty()) continue;
+        const auto& file = shots.is_video ? shots.path : shots.pictures.begin()->second;
+        first = fmt::format(
+            "{} has {}x{} px, the pictures of '{}' {}x{}; film the empty room with the same "
+            "settings of the camera, or scale copies as a whole, and import again",
+            file.string(),
+            room->width,
+            room->height,
+            camera,
+            frame.width,
+            frame.height);
+    }
+    if (wrong.empty()) return {};
+    return make_error(ErrorKind::kConfiguration,
+                      fmt::format("background: the empty room of {} has another size than the "
+                                  "pictures: {}",
+                                  listed(wrong),
+                                  first));
+}
+
+Expected<image::Mask> read_mask(const std::filesystem::path& file, bool inverted) {
+    image::Mask mask;
+    auto picture = capture::PictureFile::of(file);
+    if (auto read = picture.read_mask(0, mask); !read) return tl::unexpected(read.error());
+    if (inverted) {
+        for (std::uint8_t& value : mask.data) value = value == 0 ? 255 : 0;
+    }
+    return mask;
+}
+
+Expected<void> check_mask_values(const Material& material, bool inverted) {
+    for (const auto& [camera, shots] : material.masks) {
+        const auto mask = read_mask(shots.pictures.begin()->second, inverted);
+        if (!mask) return tl::unexpected(mask.error());
+        // one camera may be close to somebody, all of them cannot
+        if (!capture::looks_inverted(*mask)) return {};
+    }
+    if (material.masks.empty()) return {};
+    const std::string example = material.masks.begin()->second.pictures.begin()->second.string();
+    return make_error(
+        ErrorKind::kConfiguration,
+        inverted ? fmt::format("masks: people are white already, as they must be (for example {}): "
+                               "leave --invert-masks out, and import again",
+                               example)
+                 : fmt::format("masks: they look inverted (for example {}): white covers the "
+                               "borders of the pictures, but people must be white: say "
+                               "--invert-masks, and import again",
+                               example));
 }
 
 std::string why_masks_need_pictures(const Shots& masks) {

@@ -1,0 +1,177 @@
+// Calibrations with the mistakes that people make: the message names the camera and the cure.
+#include "tests/unit/calibrate/foreign_texts.hpp"
+#include "tools/calibrate/conclude.hpp"
+#include "tools/calibrate/formats/format.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::calibrate {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+}
+
+class Mistakes : public testing::Test {
+protected:
+    Expected<Conclusion> conclude_from(const std::string& name,
+                                       const std::string& text,
+                                       const Said& said = {}) const {
+        const auto foreign = read_foreign({folder_.write(name, text)}, "auto");
+        if (!foreign) return tl::unexpected(foreign.error());
+        return conclude(*foreign, said);
+    }
+    std::string error_of(const std::string& name, const std::string& text) const {
+        const auto result = conclude_from(name, text);
+        return result ? "no error" : result.error().message;
+    }
+
+    atrium::test::Random random_{77};
+    test::Folder folder_;
+    test::Cameras cameras_ = test::random_room(random_, 5);
+};
+
+TEST_F(Mistakes, ACameraThatQtmDidNotCalibrateIsLeftOut) {
+    std::string text = test::qualisys_xml(cameras_);
+    const std::size_t third = text.find("serial=\"cam3\"");
+    const std::size_t attribute = text.rfind("calibrated=\"true\"", third);
+    text.replace(attribute, 17, "calibrated=\"false\"");
+    // QTM writes zeros
+    const std::size_t transform = text.find("<transform", third);
+    text.replace(transform, text.find("/>", transform) - transform, "<transform x=\"0\" r11=\"0\"");
+    const auto result = conclude_from("a.qca.txt", text);
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_EQ(result->rig.cameras.size(), 4U);
+    EXPECT_THAT(
+        result->problems,
+        ElementsAre(HasSubstr("camera 'cam3' is not calibrated (QTM says so): left out; ")));
+    std::string none = test::qualisys_xml({cameras_[0], cameras_[1]});
+    none = replaced(none, "calibrated=\"true\"", "calibrated=\"false\"");
+    EXPECT_THAT(error_of("b.qca.txt", none),
+                AllOf(HasSubstr("1 cameras found"), HasSubstr("'cam1' is not calibrated")));
+}
+
+TEST_F(Mistakes, ACameraThatLooksElsewhereIsNamed) {
+    const auto whole = conclude_from("a.yml", test::opencv_yaml(cameras_, 1000.0));
+    ASSERT_TRUE(whole);
+    EXPECT_THAT(whole->problems, IsEmpty());
+    // turned around upright axis of its own by 100 degrees
+    test::Cameras turned = cameras_;
+    auto& pose = turned[2].camera_from_site;
+    const Eigen::Vector3d centre = turned[2].centre_site();
+    pose.rotation = Eigen::AngleAxisd(1.75, Eigen::Vector3d::UnitY()) * pose.rotation;
+    pose.translation = -(pose.rotation * centre);
+    const auto result = conclude_from("b.yml", test::opencv_yaml(turned, 1000.0));
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_THAT(result->told, Contains(HasSubstr("4 of 5 cameras look at one place")));
+    EXPECT_THAT(result->problems,
+                ElementsAre(AllOf(HasSubstr("camera 'cam3' does not look at the place"),
+                                  HasSubstr("calibrate it again"))));
+    test::Cameras unset = cameras_;
+    for (auto& camera : unset) {
+        camera.camera_from_site =
+            camera.camera_from_site * geometry::RigidTransform{Eigen::Quaterniond::Identity(),
+                                                               Eigen::Vector3d(-5.0, 0.0, 0.0)};
+    }
+    unset[4].camera_from_site = {};
+    const auto origin = conclude_from("c.yml", test::opencv_yaml(unset, 1000.0));
+    ASSERT_TRUE(origin) << origin.error().message;
+    EXPECT_THAT(origin->problems,
+                ElementsAre(AllOf(HasSubstr("camera 'cam5'"), HasSubstr("never calibrated"))));
+}
+
+TEST_F(Mistakes, DecimalCommasAreNamed) {
+    std::string qualisys = test::qualisys_xml(cameras_);
+    const std::size_t r11 = qualisys.find("r11=\"");
+    const std::size_t point = qualisys.find('.', r11);
+    const std::string good = qualisys.substr(r11 + 5, qualisys.find('"', r11 + 5) - r11 - 5);
+    qualisys[point] = ',';
+    std::string word = good;
+    word[word.find('.')] = ',';
+    EXPECT_THAT(error_of("a.qca.txt", qualisys),
+                HasSubstr("camera 'cam1': <transform> r11: '" + word +
+                          "' is not a number; decimals have a point"));
+    std::string vicon = test::vicon_xcp(cameras_);
+    vicon[vicon.find('.', vicon.find("POSITION=\""))] = ',';
+    EXPECT_THAT(error_of("a.xcp", vicon),
+                AllOf(HasSubstr("<KeyFrame> POSITION: '"), HasSubstr("decimals have a point")));
+    // in an XML of OpenCV, and as a scalar
+    std::string xml = test::opencv_xml(cameras_);
+    xml[xml.find('.', xml.find("<data>"))] = ',';
+    EXPECT_THAT(error_of("a.xml", xml), HasSubstr("decimals have a point"));
+    EXPECT_THAT(error_of("a.yml",
+                         "%YAML:1.0\n---\ncam1:\n   fx: 900,5\n   fy: 900.5\n   cx: 320.0\n"
+                         "   cy: 240.0\ncam2:\n   fx: 900,5\n   fy: 1.0\n   cx: 1.0\n   cy: 1.0\n"),
+                HasSubstr("'900,5' is not a number; decimals have a point"));
+    // a list takes the comma for a separator
+    EXPECT_THAT(error_of("b.yml",
+                         "%YAML:1.0\n---\ncam1:\n   K: [ 900,5, 0,0, 320,0, 0,0, 900,5, 240,0, "
+                         "0,0, 0,0, 1,0 ]\n"),
+                HasSubstr("a decimal comma makes two numbers of one"));
+    folder_.write("model/images.txt", test::colmap_images_txt(cameras_, 1.0));
+    std::string colmap = test::colmap_cameras_txt(cameras_);
+    colmap[colmap.find('.', colmap.find("OPENCV"))] = ',';
+    folder_.write("model/cameras.txt", colmap);
+    const auto model = read_foreign({folder_.path() / "model"}, "auto");
+    ASSERT_FALSE(model);
+    EXPECT_THAT(model.error().message,
+                AllOf(HasSubstr("cameras.txt:"), HasSubstr("decimals have a point")));
+}
+
+TEST_F(Mistakes, AHeightSaysWhereThenTheCamerasLook) {
+    Said said;
+    const double height = cameras_[0].centre_site().z();
+    said.height = Said::Height{"cam1", height};
+    const std::string text = test::opencv_yaml(cameras_, 1000.0);
+    const auto right = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(right);
+    EXPECT_THAT(right->told, Contains(HasSubstr("as you say, so the cameras look at a place ")));
+    EXPECT_THAT(right->checks, Not(Contains(HasSubstr("floor"))));
+    said.height->metres = height + 2.0;
+    const auto high = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(high);
+    EXPECT_THAT(high->checks,
+                Contains(AllOf(testing::ContainsRegex("look at a place (2.[89]|3.[01])"),
+                               HasSubstr("m above it"),
+                               HasSubstr("--camera-height cam1 METRES"))));
+    said.height->metres = height - 2.0;
+    const auto low = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(low);
+    EXPECT_THAT(low->checks,
+                Contains(AllOf(testing::ContainsRegex("look at a place (0.[89]|1.[01])"),
+                               HasSubstr("m below it"))));
+}
+
+TEST_F(Mistakes, AnUpThatTurnsPeopleOverIsAProblem) {
+    Said said;
+    said.up = "-Z";
+    const std::string text = test::opencv_yaml(cameras_, 1000.0);
+    const auto over = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(over);
+    EXPECT_THAT(over->problems,
+                ElementsAre(AllOf(HasSubstr(", -1.00) of the new frame"),
+                                  HasSubstr("stand on their heads: say --up +Z, or leave --up out"),
+                                  Not(HasSubstr("-0.00")))));
+    // below the floor now, which is that of the new frame
+    EXPECT_THAT(over->checks,
+                Contains(AllOf(HasSubstr("z = 0 of the new frame"), HasSubstr("m below it"))));
+    said.up = "+X";
+    const auto side = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(side);
+    EXPECT_THAT(side->problems, ElementsAre(HasSubstr("lie on their side: say --up +Z")));
+    said.up = "+Z";
+    EXPECT_THAT(conclude_from("a.yml", text, said)->problems, IsEmpty());
+}
+
+}  // namespace
+}  // namespace atrium::calibrate
