@@ -207,9 +207,6 @@ void Simulation::report_and_save() {
     }
     figures_.num_objects = scene_.num_objects();
     figures_.num_grabs = scene_.world().num_grabs();
-    const physics::WorldCounters& counters = scene_.world().counters();
-    figures_.num_steps = counters.num_ticks;
-    figures_.num_contacts = counters.num_contact_ticks;
 }
 
 void Simulation::step(Timestamp due) {
@@ -226,6 +223,9 @@ void Simulation::step(Timestamp due) {
     send_people();
     report_and_save();
     const std::lock_guard lock(status_mutex_);
+    // not those of the world, which go back when another world is loaded or a state is restored
+    ++figures_.num_steps;
+    if (is_touched) ++figures_.num_contacts;
     step_times_.add(Clock::now() - begin);
 }
 

@@ -11,17 +11,20 @@
 namespace atrium::config {
 namespace {
 
-// Levenshtein distance.
+// Edits between two words: a letter added, removed or replaced, or two neighbours swapped.
 std::size_t num_edits(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
+    std::vector<std::size_t> row_before(b.size() + 1), row(b.size() + 1), next(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
     for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = std::exchange(row[0], i);
+        next[0] = i;
         for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t same = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-            diagonal = row[j];
-            row[j] = std::min({row[j] + 1, row[j - 1] + 1, same});
+            const std::size_t same = row[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+            next[j] = std::min({row[j] + 1, next[j - 1] + 1, same});
+            const bool is_swap = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+            if (is_swap) next[j] = std::min(next[j], row_before[j - 2] + 1);
         }
+        std::swap(row_before, row);
+        std::swap(row, next);
     }
     return row.back();
 }
@@ -39,9 +42,12 @@ std::string with_underscores(std::string_view name) {
 // Distance of two words, or nothing if the one is no misspelling of the other.
 std::optional<std::size_t> distance(std::string_view written, std::string_view meant) {
     constexpr std::size_t kShortestStem = 3;
-    const bool lacks_unit = written.size() >= kShortestStem && meant.size() > written.size() &&
-                            meant.starts_with(written) && meant[written.size()] == '_';
+    const bool is_part = written.size() >= kShortestStem && meant.size() > written.size();
+    const bool lacks_unit = is_part && meant.starts_with(written) && meant[written.size()] == '_';
     if (lacks_unit) return 1;
+    const bool lacks_words = is_part && meant.ends_with(written) &&
+                             meant[meant.size() - written.size() - 1] == '_';  // "yaw_deg"
+    if (lacks_words) return 1;
     if (!may_be_misspelling(written, meant)) return std::nullopt;
     return num_edits(written, meant);
 }
@@ -62,7 +68,12 @@ std::string in_lower_case(std::string text) {
 }  // namespace
 
 bool may_be_misspelling(std::string_view written, std::string_view meant) {
-    return num_edits(written, meant) <= std::min<std::size_t>(2, meant.size() / 2);
+    const bool is_long = meant.size() >= 7;
+    const bool begins_alike =
+        meant.size() >= 4 && !written.empty() && written.front() == meant.front();
+    // "light" is not "rights"
+    const std::size_t most = is_long || begins_alike ? 2 : 1;
+    return num_edits(written, meant) <= std::min(most, meant.size() / 2);
 }
 
 std::vector<std::string> names_meant_by(std::string_view written,

@@ -12,7 +12,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <utility>
 
 namespace atrium::config {
@@ -64,14 +63,6 @@ std::string describe(Range allowed) {
 std::string location(const std::string& file, const toml::value& value) {
     const auto at = value.location();
     return at.line() > 0 ? fmt::format("{}:{}", file, at.line()) : file;
-}
-
-std::string shown(const toml::value& value) {
-    std::ostringstream text;
-    text << toml::format(value, 0);
-    std::string line = text.str().substr(0, 60);
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    return line;
 }
 
 Error unknown(const std::string& where, const std::string& key, const std::string& hint) {

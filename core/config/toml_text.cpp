@@ -2,10 +2,12 @@
 #include "core/config/toml_text_internal.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <sstream>
 #include <string_view>
+#include <vector>
 
 namespace atrium::config {
 namespace {
@@ -53,6 +55,20 @@ std::string what_of(const std::exception& failure) {
     return what;
 }
 
+// On one line, however it is written in the file.
+std::string one_line(const toml::value& value) {
+    if (value.is_array()) {
+        std::vector<std::string> items;
+        for (const toml::value& item : value.as_array()) items.push_back(one_line(item));
+        return fmt::format("[{}]", fmt::join(items, ", "));
+    }
+    std::ostringstream text;
+    text << toml::format(value, 0);
+    std::string line = text.str();
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    return line;
+}
+
 }  // namespace
 
 Expected<toml::value> parse_toml(const std::string& text, const std::string& name) {
@@ -84,6 +100,11 @@ Expected<toml::value> parse_toml(const std::string& text, const std::string& nam
         return make_error(ErrorKind::kConfiguration,
                           fmt::format("{}: not valid TOML: {}", name, failure.what()));
     }
+}
+
+std::string shown(const toml::value& value) {
+    constexpr std::size_t kMaxLength = 60;
+    return one_line(value).substr(0, kMaxLength);
 }
 
 }  // namespace atrium::config

@@ -12,4 +12,7 @@ namespace atrium::config {
 /// show it. Private to core/config.
 Expected<toml::value> parse_toml(const std::string& text, const std::string& name);
 
+/// Returns a value on one line, for messages: at most 60 characters.
+std::string shown(const toml::value& value);
+
 }  // namespace atrium::config

@@ -292,6 +292,7 @@ TEST_F(CommandLine, SimulatedCamerasReturnTheExitCodeOfTheirCommand) {
         GTEST_SKIP() << atrium::test::skip::kNoNetwork << seven.output;
     EXPECT_EQ(seven.exit_code, 7) << seven.output;
     EXPECT_THAT(seven.output, AllOf(HasSubstr(" lo:"), Not(HasSubstr("eth"))));
+    EXPECT_THAT(seven.output, HasSubstr("start world_server and viewer inside, too"));
     const Outcome none = run(cameras + "/nonexistent/program");
     EXPECT_EQ(none.exit_code, 3);
     EXPECT_THAT(none.output, HasSubstr("/nonexistent/program"));

@@ -1,5 +1,6 @@
 #include "tools/simulated_cameras/camera_server.hpp"
 
+#include "core/app/log.hpp"
 #include "core/base/timestamp.hpp"
 #include "tools/simulated_cameras/served_camera.hpp"
 

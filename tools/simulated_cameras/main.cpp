@@ -21,8 +21,8 @@ int main(int argc, char** argv) {
         "simulated_cameras",
         "Serves a simulated room, or a recording, as GigE Vision cameras in a private network, and "
         "runs a command there:\nsimulated_cameras [OPTIONS] -- COMMAND [ARGUMENTS]",
-        "  simulated_cameras --rig deploy/rigs/full_body.toml --list\n"
-        "  simulated_cameras --rig deploy/rigs/full_body.toml --lose cam3=1 -- "
+        "  simulated_cameras --rig deploy/rigs/full_body_1mp.toml --list\n"
+        "  simulated_cameras --rig deploy/rigs/full_body_1mp.toml --empty_seconds 15 -- "
         "build/bin/site_node --config deploy/sites/simulated_cameras.toml",
         {},
         "that of COMMAND once it runs"};

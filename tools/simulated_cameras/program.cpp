@@ -75,6 +75,18 @@ Expected<ShownPictures> load_pictures(const Plan& plan, std::stop_token stop) {
                      stop);
 }
 
+// What a private network hides.
+std::string network_notice(const std::vector<std::string>& command, int process) {
+    if (command.empty()) {
+        return fmt::format(
+            "no command given; to enter the network: nsenter --preserve-credentials -U -n -t {}",
+            process);
+    }
+    return "network: the command sees only these cameras, and no program outside sees the command; "
+           "to show its people in a world, start world_server and viewer inside, too: one script "
+           "after -- that starts all three";
+}
+
 // Requests a stop after this time, unless one was requested before.
 std::jthread time_limit(double seconds, std::stop_source& stop) {
     return std::jthread([seconds, &stop](std::stop_token ended) {
@@ -151,11 +163,7 @@ Expected<int> run(const Plan& plan, std::stop_token stop) {
                    plan.rig.rate_hz,
                    plan.config.pixel_format,
                    getpid());
-    if (plan.command.empty() && plan.config.own_network) {
-        app::log::info(
-            "no command given; to enter the network: nsenter --preserve-credentials -U -n -t {}",
-            getpid());
-    }
+    if (plan.config.own_network) app::log::info("{}", network_notice(plan.command, getpid()));
     std::stop_source end;
     const std::stop_callback pass_on(stop, [&end] { end.request_stop(); });
     Expected<int> exit_code = 0;

@@ -1,5 +1,6 @@
 #include "tools/simulated_cameras/served_camera.hpp"
 
+#include "core/app/log.hpp"
 #include "tools/simulated_cameras/sensor.hpp"
 #include "tools/simulated_cameras/stamp.hpp"
 
@@ -191,17 +192,15 @@ bool ServedCamera::copy_region(const ShowSchedule::Choice& choice,
                                       static_cast<std::size_t>(height) *
                                       ARV_PIXEL_FORMAT_BIT_PER_PIXEL(format) / 8;
         std::memset(out, 128, num_bytes);
-        complaints_.warn(
-            fmt::format("camera {} sends grey: asked for {}x{}+{}+{} {}, it has {}x{} {}",
-                        identity_.name,
-                        width,
-                        height,
-                        x,
-                        y,
-                        name_of(format),
-                        sensor.width & ~1,
+        const std::optional<std::string> line =
+            grey_.look(identity_.name,
+                       {width, height, x, y, name_of(format)},
+                       {sensor.width & ~1,
                         sensor.height & ~1,
-                        name_of(to_genicam(state_.shown.format))));
+                        0,
+                        0,
+                        name_of(to_genicam(state_.shown.format))});
+        if (line) app::log::warn("{}", *line);
         return false;
     }
     const std::size_t from_stride = image::row_bytes(state_.shown.format, sensor.width & ~1);

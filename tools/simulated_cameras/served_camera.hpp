@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/app/log.hpp"
 #include "tools/simulated_cameras/camera_server.hpp"
+#include "tools/simulated_cameras/grey_notice.hpp"
 
 #include <atomic>
 #include <condition_variable>
@@ -68,7 +68,7 @@ private:
     ArvGvFakeCamera* device_ = nullptr;
     ArvFakeCamera* registers_ = nullptr;  // of the device
     std::atomic<std::uint64_t> num_sent_{0};
-    app::log::OncePerSecond complaints_;
+    GreyNotice grey_;  // of the camera's thread
     std::mutex mutex_;
     std::condition_variable wake_;
     bool is_leaving_ = false;

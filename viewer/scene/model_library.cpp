@@ -3,6 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/bus/names.hpp"
 #include "core/model/model_file.hpp"
+#include "viewer/scene/file_advice.hpp"
 
 #include <Eigen/Geometry>
 
@@ -48,7 +49,7 @@ void append(const model::ModelPart& part, renderer::ShapeMesh& out) {
 }  // namespace
 
 ModelLibrary::ModelLibrary(const std::filesystem::path& folder)
-    : reader_([folder](const Key& key) -> Expected<Model> {
+    : folder_(folder), reader_([folder](const Key& key) -> Expected<Model> {
           const auto parts = model::load_model(folder / key.first, key.second);
           if (!parts) return tl::unexpected(parts.error());
           return make(*parts);
@@ -89,9 +90,10 @@ std::set<std::string> ModelLibrary::take() {
     for (auto& [key, loaded] : reader_.take()) {
         if (!loaded && complained_.size() < kMaxModels && complained_.insert(key.first).second)
             app::log::warn(
-                "model_missing {}; a box replaces it; give the folder of the world's models "
-                "with --viewer.models",
-                loaded.error().message);
+                "model_missing {}; a box replaces it; {}",
+                loaded.error().message,
+                advice_about(
+                    loaded.error(), folder_, key.first, "export it again, for example as .glb"));
         models_[key] = loaded ? std::move(*loaded) : Model{};
         files.insert(key.first);
     }

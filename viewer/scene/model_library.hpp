@@ -48,6 +48,7 @@ private:
     static Model make(const std::vector<model::ModelPart>& parts);
     const Model& model(const std::string& file, double scale);
 
+    const std::filesystem::path folder_;
     std::map<Key, Model> models_;  // empty: cannot be loaded
     std::set<std::string> complained_;
     BackgroundReader<Key, Model> reader_;

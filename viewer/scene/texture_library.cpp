@@ -3,6 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/base/looked_up.hpp"
 #include "core/bus/names.hpp"
+#include "viewer/scene/file_advice.hpp"
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -17,6 +18,8 @@
 
 namespace atrium::viewer {
 namespace {
+
+constexpr const char* kUseFewer = "use fewer or smaller textures";
 
 using Bytes = std::span<const std::uint8_t>;
 
@@ -120,7 +123,7 @@ Expected<renderer::TexturePicture> read_texture(const std::filesystem::path& fil
 }
 
 TextureLibrary::TextureLibrary(const std::filesystem::path& folder, const TextureLimits& limits)
-    : limits_(limits), reader_([folder, limits](const std::string& file) {
+    : folder_(folder), limits_(limits), reader_([folder, limits](const std::string& file) {
           return read_texture(folder / file, limits);
       }) {}
 
@@ -129,7 +132,7 @@ void TextureLibrary::want(const std::string& file) {
     if (!bus::is_valid_model_file(file) || reader_.is_wanted(file)) return;
     const std::size_t num_wanted = reader_.num_wanted();
     if (num_wanted >= limits_.max_textures)
-        return complain(file, fmt::format("the limit is {} textures", num_wanted));
+        return complain(file, fmt::format("the limit is {} textures", num_wanted), kUseFewer);
     reader_.want(file);
 }
 
@@ -137,14 +140,17 @@ std::vector<TextureLibrary::Loaded> TextureLibrary::take() {
     std::vector<Loaded> loaded;
     for (auto& [file, picture] : reader_.take()) {
         if (!picture) {
-            complain(file, picture.error().message);
+            complain(file,
+                     picture.error().message,
+                     advice_about(picture.error(), folder_, file, "save it again as PNG or JPEG"));
             continue;
         }
         const std::size_t num_pixels = picture->rgba.size() / 4;
         if (num_pixels_ + num_pixels > limits_.max_pixels) {
             complain(file,
                      fmt::format("all textures together exceed the limit of {} pixels",
-                                 limits_.max_pixels));
+                                 limits_.max_pixels),
+                     kUseFewer);
             continue;
         }
         num_pixels_ += num_pixels;
@@ -159,13 +165,11 @@ void TextureLibrary::forget() {
 }
 
 // Warns once per file.
-void TextureLibrary::complain(const std::string& file, const std::string& why) {
+void TextureLibrary::complain(const std::string& file,
+                              const std::string& why,
+                              const std::string& advice) {
     if (complained_.size() >= limits_.max_textures || !complained_.insert(file).second) return;
-    app::log::warn(
-        "texture_missing {}: {}; drawn in its plain colour; give the folder of the world's models "
-        "and textures with --viewer.models",
-        file,
-        why);
+    app::log::warn("texture_missing {}: {}; drawn in its plain colour; {}", file, why, advice);
 }
 
 }  // namespace atrium::viewer

@@ -43,8 +43,9 @@ public:
     void forget();
 
 private:
-    void complain(const std::string& file, const std::string& why);
+    void complain(const std::string& file, const std::string& why, const std::string& advice);
 
+    const std::filesystem::path folder_;
     TextureLimits limits_;
     std::size_t num_pixels_ = 0;
     std::set<std::string> complained_;

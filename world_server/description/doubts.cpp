@@ -1,10 +1,14 @@
 #include "world_server/description/doubts.hpp"
 
+#include "world_server/description/start_doubts.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 
 namespace atrium::world_server {
 namespace {
@@ -66,6 +70,31 @@ void doubt_joints(const WorldDescription& world, std::vector<std::string>& lines
     }
 }
 
+// Such limits are hardly any motion in degrees, but a usual one in radians: up to half a turn.
+void doubt_limits(const WorldDescription& world, std::vector<std::string>& lines) {
+    constexpr double kLargest_deg = 3.2;
+    constexpr double kRounding_deg = 1e-6;
+    for (const physics::Joint& joint : world.joints) {
+        if (joint.kind != physics::JointKind::kHinge || !joint.limits) continue;
+        const auto in_degrees = [](double angle_rad) {
+            return angle_rad * 180.0 / std::numbers::pi;
+        };
+        const double from_deg = in_degrees(joint.limits->at(0));
+        const double to_deg = in_degrees(joint.limits->at(1));
+        const double largest_deg = std::max(std::abs(from_deg), std::abs(to_deg));
+        if (largest_deg < kRounding_deg || largest_deg > kLargest_deg + kRounding_deg) continue;
+        lines.push_back(fmt::format(
+            "joint_looks_wrong a={} b={} reason=\"limits_deg [{:.4g}, {:.4g}] is hardly any motion "
+            "in degrees; as radians it would be {:.0f} to {:.0f} degrees\"",
+            name_of(world, joint.a),
+            name_of(world, joint.b),
+            from_deg,
+            to_deg,
+            in_degrees(from_deg),
+            in_degrees(to_deg)));
+    }
+}
+
 void doubt_soft_models(const WorldDescription& world, std::vector<std::string>& lines) {
     for (const WorldSoftObject& soft : world.soft) {
         const geometry::TriangleMesh& mesh = soft.object.model;
@@ -92,7 +121,10 @@ std::vector<std::string> doubts_about(const WorldDescription& world) {
     std::vector<std::string> lines;
     doubt_textures(world, lines);
     doubt_joints(world, lines);
+    doubt_anchors(world, lines);
+    doubt_limits(world, lines);
     doubt_soft_models(world, lines);
+    doubt_starts(world, lines);
     return lines;
 }
 

@@ -23,7 +23,7 @@ void read_model(config::TableReader& reader, WorldObject& object, KnownModels& k
     if (!read_model_name(reader, look.model, look.model_scale)) return;
     LoadedModel& model = known[{look.model, look.model_scale, rigid.shape}];
     if (!model.parts) {
-        auto loaded = load_model_parts(reader.folder() / look.model, look.model_scale, rigid.shape);
+        auto loaded = load_model_parts(file_of(reader, look.model), look.model_scale, rigid.shape);
         if (!loaded) return reject_model(reader, loaded.error());
         model = std::move(*loaded);
     }

@@ -27,11 +27,15 @@ bool is_picture_name(const std::filesystem::path& file) {
 
 // " (did you mean models/chair.obj?)", or nothing.
 std::string meant_instead_of(const std::filesystem::path& missing) {
-    const std::string question = config::ask_which_path(missing.lexically_normal());
+    const std::string question = config::ask_which_path(missing);
     return question.empty() ? question : " (" + question + ")";
 }
 
 }  // namespace
+
+std::filesystem::path file_of(const config::TableReader& reader, const std::string& name) {
+    return (reader.folder() / name).lexically_normal();
+}
 
 void read_name(config::TableReader& reader, std::string& name) {
     reader.require("name");
@@ -57,7 +61,7 @@ void read_texture(config::TableReader& reader, std::string& texture) {
     if (!bus::is_valid_model_file(file)) return reader.reject("texture", kFileNames);
     if (!is_picture_name(file)) return reader.reject("texture", "must be a .png, .jpg or .jpeg");
     std::error_code failure;
-    const std::filesystem::path path = reader.folder() / file;
+    const std::filesystem::path path = file_of(reader, file);
     if (!std::filesystem::is_regular_file(path, failure)) {
         return reader.reject(
             "texture",
@@ -71,7 +75,7 @@ void reject_model(config::TableReader& reader, Error error) {
     std::string file;
     reader.read("model", file);
     if (error.kind == ErrorKind::kNotFound)
-        error.message += meant_instead_of(reader.folder() / file);
+        error.message += meant_instead_of(file_of(reader, file));
     reader.reject("model", error);
 }
 
@@ -86,7 +90,10 @@ bool read_model_name(config::TableReader& reader, std::string& model, double& sc
         return false;
     }
     if (!model::is_model_name(file)) {
-        reader.reject("model", fmt::format("must be a {} file", model::model_endings()));
+        reader.reject(
+            "model",
+            fmt::format("must be a {} file; export it as .glb in the program that made it",
+                        model::model_endings()));
         return false;
     }
     model = file;

@@ -14,6 +14,9 @@ inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 inline constexpr config::Range kPositionRange{-1000.0, 1000.0};  // [m]
 inline constexpr config::Range kSizeRange{0.0, 1000.0};          // [m]; the physics allows less
 
+/// Returns the path of a file that the world file names, without "./".
+std::filesystem::path file_of(const config::TableReader& reader, const std::string& name);
+
 /// Reads `name`; required.
 void read_name(config::TableReader& reader, std::string& name);
 /// Reads `position_m` and `roll_pitch_yaw_deg`: rotations about x, then y, then z of the world.

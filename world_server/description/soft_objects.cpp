@@ -45,7 +45,7 @@ geometry::TriangleMesh weld(const std::vector<model::ModelPart>& parts) {
 void read_model(config::TableReader& table, WorldSoftObject& soft) {
     const std::string& file = soft.model;
     if (!read_model_name(table, soft.model, soft.model_scale)) return;
-    const auto parts = model::load_model(table.folder() / file, soft.model_scale);
+    const auto parts = model::load_model(file_of(table, file), soft.model_scale);
     if (!parts) return reject_model(table, parts.error());
     soft.own_texture = model::own_texture_of(*parts);
     geometry::TriangleMesh mesh = weld(*parts);

@@ -27,7 +27,7 @@ void append(geometry::TriangleMesh& sum,
 void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     Look& look = scenery.look;
     if (!read_model_name(reader, look.model, look.model_scale)) return;
-    const auto model = model::load_model(reader.folder() / look.model, look.model_scale);
+    const auto model = model::load_model(file_of(reader, look.model), look.model_scale);
     if (!model) return reject_model(reader, model.error());
     look.own_texture = model::own_texture_of(*model);
     if (!scenery.is_solid) return;

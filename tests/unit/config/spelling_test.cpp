@@ -40,6 +40,20 @@ TEST(Spelling, FindsNamesWithoutTheirUnit) {
     EXPECT_THAT(names_meant_by("rate", kKeys), ElementsAre("capture.rate_hz"));
 }
 
+TEST(Spelling, FindsNamesByTheirLastWords) {
+    const std::vector<std::string> keys{"soft.roll_pitch_yaw_deg", "soft.position_m"};
+    EXPECT_THAT(names_meant_by("soft.yaw_deg", keys), ElementsAre("soft.roll_pitch_yaw_deg"));
+    EXPECT_THAT(names_meant_by("soft.w_deg", keys), IsEmpty()) << "no whole word";
+}
+
+TEST(Spelling, GuessesOnlyWhatIsNearInSpelling) {
+    EXPECT_THAT(names_meant_by("light", {"rights", "soft"}), IsEmpty());
+    EXPECT_THAT(names_meant_by("right", {"rights", "soft"}), ElementsAre("rights"));
+    EXPECT_THAT(names_meant_by("mdoel", {"model"}), ElementsAre("model"));
+    EXPECT_THAT(names_meant_by("objekts", {"object"}), ElementsAre("object"));
+    EXPECT_THAT(names_meant_by("textrue", {"texture"}), ElementsAre("texture"));
+}
+
 TEST(Spelling, TakesDashesForUnderscores) {
     EXPECT_THAT(names_meant_by("startup_seconds", kKeys), ElementsAre("startup-seconds"));
     EXPECT_THAT(names_meant_by("capture.rate-hz", kKeys), ElementsAre("capture.rate_hz"));

@@ -157,6 +157,16 @@ TEST(TableReader, NamesAllowedValuesForAWrongTypeOrRange) {
     EXPECT_THAT(choice.finish().error().message, HasSubstr("one of slow, fast"));
 }
 
+TEST(TableReader, ShowsAListAsItIsWritten) {
+    TableReader reader = reader_of("limits = [\n  0,\n  -100.5,\n]\n");
+    std::array<double, 2> limits{};
+    reader.read("limits", limits.data(), 2, {0, 100});
+    EXPECT_THAT(reader.finish().error().message, testing::EndsWith(", got [0, -100.5]"));
+    TableReader words = reader_of("pins = [\"upper\"]\n");
+    words.reject("pins", "must be top");
+    EXPECT_THAT(words.finish().error().message, testing::EndsWith(", got [\"upper\"]"));
+}
+
 TEST(TableReader, ReadsArraysOfTablesAndNamesTheElement) {
     TableReader reader = reader_of("[[object]]\nmass = 1\n[[object]]\nmass = -2\n");
     const auto objects = reader.tables("object");

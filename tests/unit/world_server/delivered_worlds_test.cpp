@@ -1,6 +1,8 @@
 #include "tests/support/world/load_world.hpp"
+#include "world_server/description/doubts.hpp"
 #include "world_server/scene.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,6 +39,7 @@ class DeliveredWorld : public testing::TestWithParam<std::string> {};
 TEST_P(DeliveredWorld, LoadsAndComesToRest) {
     const auto config = test_support::load_world(world_file(GetParam()));
     ASSERT_TRUE(config) << config.error().message;
+    EXPECT_THAT(doubts_about(*config), testing::IsEmpty());
     auto scene = Scene::create(*config);
     ASSERT_TRUE(scene) << scene.error().message;
     double fastest = 0.0;

@@ -86,5 +86,92 @@ TEST_F(WorldDoubts, NameASoftModelOfLargeTriangles) {
     EXPECT_THAT(doubts(soft + "scale = 0.1\n"), IsEmpty());
 }
 
+constexpr const char* kFloor = "[[object]]\nname = \"floor\"\nshape = \"plane\"\n";
+
+std::string box(const std::string& name, double mass_kg, const std::string& rest) {
+    return "[[object]]\nname = \"" + name + "\"\nshape = \"box\"\nsize_m = [0.4, 0.4, 0.4]\n" +
+           "mass_kg = " + std::to_string(mass_kg) + "\n" + rest + "\n";
+}
+
+TEST_F(WorldDoubts, NameAJointFarFromBothObjects) {
+    const std::string two = box("gate", 1, "position_m = [0, 0, 1]") +
+                            box("post", 0, "position_m = [1, 0, 1]") + "[[joint]]\na = \"gate\"\n";
+    const std::string hinge = two + "kind = \"hinge\"\naxis = [0, 0, 1]\n";
+    EXPECT_THAT(doubts(hinge + "b = \"post\"\nanchor_m = [-0.6, 0, 1]\n"), IsEmpty());
+    EXPECT_THAT(doubts(hinge + "b = \"post\"\nanchor_m = [1.6, 0, 1]\n"), IsEmpty())
+        << "0.4 m from the post";
+    EXPECT_THAT(doubts(hinge + "b = \"post\"\nanchor_m = [0, 1, 1]\n"),
+                ElementsAre(HasSubstr("joint_looks_wrong a=gate b=post reason=\"anchor_m [0, 1, 1] "
+                                      "is 0.8 m away from both objects")));
+    EXPECT_THAT(doubts(two + "kind = \"ball\"\nb = \"post\"\nanchor_m = [0, 1, 1]\n"),
+                ElementsAre(HasSubstr("0.8 m away")));
+    EXPECT_THAT(doubts(hinge + "anchor_m = [0, 3, 1]\n"), IsEmpty()) << "a pendulum on the world";
+    EXPECT_THAT(doubts(kFloor + hinge + "b = \"floor\"\nanchor_m = [0, 3, 0.3]\n"), IsEmpty())
+        << "a floor is everywhere";
+}
+
+TEST_F(WorldDoubts, NameLimitsOfAHingeInRadians) {
+    const std::string hinge = box("gate", 1, "") +
+                              "[[joint]]\na = \"gate\"\nkind = \"hinge\"\naxis = [0, 0, 1]\n"
+                              "anchor_m = [0, 0, 0]\n";
+    EXPECT_THAT(
+        doubts(hinge + "limits_deg = [-1.57, 1.57]\n"),
+        ElementsAre(HasSubstr("joint_looks_wrong a=gate b=world reason=\"limits_deg [-1.57, "
+                              "1.57] is hardly any motion in degrees; as radians it would "
+                              "be -90 to 90 degrees")));
+    EXPECT_THAT(doubts(hinge + "limits_deg = [0, 3.2]\n"), ElementsAre(HasSubstr("0 to 183")));
+    EXPECT_THAT(doubts(hinge + "limits_deg = [0, 0]\n"), IsEmpty()) << "held on purpose";
+    EXPECT_THAT(doubts(hinge + "limits_deg = [-1, 5]\n"), IsEmpty());
+}
+
+TEST_F(WorldDoubts, NameAnObjectThatStartsInsideAFixedOne) {
+    EXPECT_THAT(doubts(kFloor + box("b", 1, "position_m = [0, 0, 0.16]")), IsEmpty());
+    EXPECT_THAT(doubts(kFloor + box("b", 1, "position_m = [0, 0, 0.1]")),
+                ElementsAre(HasSubstr("object_looks_wrong name=b reason=\"starts 0.10 m inside "
+                                      "floor")));
+    EXPECT_THAT(doubts(kFloor + box("b", 0, "position_m = [0, 0, 0.1]")), IsEmpty())
+        << "a fixed object may stand in the floor";
+    EXPECT_THAT(
+        doubts(kFloor + box("b", 1, "position_m = [0, 0, 0.22]\nroll_pitch_yaw_deg = [45, 0, 0]")),
+        ElementsAre(HasSubstr("starts 0.06 m inside floor")))
+        << "its lower edge is 0.28 m below its middle";
+    const std::string wall = box("wall", 0, "position_m = [0.3, 0, 1]");
+    EXPECT_THAT(doubts(wall + box("b", 1, "position_m = [-0.08, 0, 1]")), IsEmpty());
+    EXPECT_THAT(doubts(wall + box("b", 1, "position_m = [0, 0, 1]")),
+                ElementsAre(HasSubstr("name=b reason=\"starts 0.10 m inside wall")));
+    const std::string joint =
+        "[[joint]]\nkind = \"ball\"\na = \"b\"\nb = \"wall\"\nanchor_m = [0.1, 0, 1]\n";
+    EXPECT_THAT(doubts(wall + box("b", 1, "position_m = [0, 0, 1]") + joint), IsEmpty())
+        << "joined objects do not touch each other";
+    EXPECT_THAT(doubts(wall + box("b", 1, "position_m = [0, 0, 1]") + joint + "collide = true\n"),
+                ElementsAre(HasSubstr("object_looks_wrong name=b")));
+}
+
+TEST_F(WorldDoubts, NameAModelThatStartsInTheFloor) {
+    const std::string rock = std::string(kRock) + "texture = \"own.png\"\n";
+    EXPECT_THAT(doubts(kFloor + rock), IsEmpty());
+    // its collision hull cuts 1 cm off the sharp tip
+    const std::string turned = rock + "roll_pitch_yaw_deg = [180, 0, 0]\n";
+    EXPECT_THAT(doubts(kFloor + turned),
+                ElementsAre(AllOf(HasSubstr("object_looks_wrong name=rock reason=\"starts 0.89 m"),
+                                  HasSubstr("the place of its file's origin"))));
+}
+
+TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAFixedOne) {
+    const auto cloth = [](double middle_m) {
+        return "[[soft]]\nname = \"flag\"\nshape = \"cloth\"\nsize_m = [0.6, 0.6]\nmass_kg = "
+               "0.2\nposition_m = [0, 0, " +
+               std::to_string(middle_m) + "]\n";
+    };
+    EXPECT_THAT(doubts(kFloor + cloth(0.29)), IsEmpty());
+    EXPECT_THAT(doubts(kFloor + cloth(0.2)),
+                ElementsAre(HasSubstr("soft_looks_wrong name=flag reason=\"starts 0.10 m inside "
+                                      "floor")));
+    const std::string rail = box("rail", 0, "position_m = [0, 0, 1.6]");
+    EXPECT_THAT(doubts(rail + cloth(1.15) + "pins = [\"top\"]\n"), IsEmpty())
+        << "only its pinned edge is inside";
+    EXPECT_THAT(doubts(rail + cloth(1.2)), ElementsAre(HasSubstr("inside rail")));
+}
+
 }  // namespace
 }  // namespace atrium::world_server

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <thread>
 
 namespace atrium::world_server {
@@ -38,6 +39,25 @@ TEST(Simulation, SkipsAStallInsteadOfLagging) {
     EXPECT_GE(status.num_steps + status.num_skipped_ticks, 118U);
     EXPECT_LE(status.num_steps, 92U);
     EXPECT_GT(status.step.p99_ms, 250.0) << "the step time must include the stall";
+}
+
+TEST(Simulation, CountsStepsOnWhenAWorldIsLoaded) {
+    const WorldServerConfig config = floor_and_ball();
+    auto simulation = simulation_of(config, [](const std::string&) {});
+    const auto num_steps_after = [&](int num) {
+        for (int i = 0; i < num; ++i) simulation.step(Timestamp::now());
+        bus::WorldStatus status;
+        simulation.fill(status);
+        return status.num_steps;
+    };
+    EXPECT_EQ(num_steps_after(50), 50U);
+    bus::SceneEdit load;
+    load.sender = "host";
+    load.kind = bus::EditKind::kLoadWorld;
+    load.world_file = "evening";
+    ASSERT_TRUE(simulation.commands().put_prepared(
+        {load, nullptr, std::make_shared<const WorldServerConfig>(config)}));
+    EXPECT_EQ(num_steps_after(1), 51U) << "the tick of the loaded world begins anew";
 }
 
 TEST(Simulation, SendsTheTickInWhichATouchBegins) {

@@ -141,6 +141,12 @@ TEST_F(WorldFile, ErrorsNameFileLineKeyAndWhatIsAllowed) {
     } cases[] = {
         {model("convex", "models/none.obj"), {"world.toml:4", "model", "none.obj", "no such file"}},
         {model("convex", "models/Cornre.obj"), {"no such file (did you mean", "corner.obj?)"}},
+        {"[world]\nmodels = \".\"\n" + model("convex", "models/none.obj"),
+         {folder_.string() + "/models/none.obj: there is no such file"}},
+        {model("convex", "models/chair.dae"), {"must be a .obj", "; export it as .glb"}},
+        {"[light]\nsun = 1\n", {"world.toml:1: light: unknown key; known here: bounds"}},
+        {"[[soft]]\nname = \"s\"\nshape = \"ball\"\ndiameter_m = 0.3\nmass_kg = 1\nyaw_deg = 20\n",
+         {"soft[0].yaw_deg: unknown key; did you mean", "roll_pitch_yaw_deg?"}},
         {model("convex", "models/damaged.obj"), {"world.toml:4", "model", "damaged.obj"}},
         {model("convex", "models/cut.glb"), {"world.toml:4", "model", "cut.glb"}},
         {model("convex", "models/far.obj"), {"world.toml:4", "far.obj"}},

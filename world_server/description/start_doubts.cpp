@@ -1,0 +1,151 @@
+#include "world_server/description/start_doubts.hpp"
+
+#include "core/geometry/aabb.hpp"
+#include "world_server/physics/start_overlap.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace atrium::world_server {
+namespace {
+
+constexpr double kDeepRigid_m = 0.05;
+constexpr double kDeepSoft_m = 0.03;
+constexpr double kFarAnchor_m = 0.5;
+
+bool is_plane(const WorldObject& object) {
+    return object.rigid.shape == physics::ObjectShape::kPlane;
+}
+
+// In the object's frame; a plane is infinite.
+geometry::Aabb local_box_of(const physics::RigidObject& object) {
+    geometry::Aabb box;
+    if (object.parts) {
+        for (const geometry::TriangleMesh& part : *object.parts) {
+            for (const Eigen::Vector3d& corner : part.vertices) box.add(corner);
+        }
+        return box;
+    }
+    box.max = 0.5 * object.size_m;
+    box.min = -box.max;
+    if (object.shape != physics::ObjectShape::kPlane) return box;
+    const double everywhere_m = std::numeric_limits<double>::infinity();
+    box.max = {everywhere_m, everywhere_m, 0.0};
+    box.min.setConstant(-everywhere_m);
+    return box;
+}
+
+double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& object) {
+    const geometry::Aabb box = local_box_of(object);
+    const Eigen::Vector3d local = object.world_from_object.inverse() * place_m;
+    return (local - local.cwiseMax(box.min).cwiseMin(box.max)).norm();
+}
+
+geometry::Aabb world_box_of(const physics::RigidObject& object) {
+    const geometry::Aabb box = local_box_of(object);
+    geometry::Aabb world;
+    for (int corner = 0; corner < 8; ++corner) {
+        world.add(object.world_from_object *
+                  Eigen::Vector3d((corner & 1) != 0 ? box.max.x() : box.min.x(),
+                                  (corner & 2) != 0 ? box.max.y() : box.min.y(),
+                                  (corner & 4) != 0 ? box.max.z() : box.min.z()));
+    }
+    return world;
+}
+
+// A cheap test: most objects are far apart, and the exact one builds collision shapes.
+bool may_overlap(const geometry::Aabb& box, const WorldObject& fixed) {
+    if (is_plane(fixed)) {
+        const geometry::RigidTransform& world_from_plane = fixed.rigid.world_from_object;
+        const Eigen::Vector3d normal = world_from_plane.rotation * Eigen::Vector3d::UnitZ();
+        const double reach_m = 0.5 * normal.cwiseAbs().dot(box.size());
+        return normal.dot(box.centre() - world_from_plane.translation) < reach_m;
+    }
+    const geometry::Aabb other = world_box_of(fixed.rigid);
+    return (box.min.array() <= other.max.array()).all() &&
+           (other.min.array() <= box.max.array()).all();
+}
+
+bool pass_through(const WorldDescription& world, std::uint32_t a, std::uint32_t b) {
+    return std::ranges::any_of(world.joints, [&](const physics::Joint& joint) {
+        return !joint.collides &&
+               ((joint.a == a && joint.b == b) || (joint.a == b && joint.b == a));
+    });
+}
+
+void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines) {
+    for (const WorldObject& object : world.objects) {
+        if (object.rigid.mass_kg == 0.0) continue;
+        const physics::RigidObject moving = to_rigid(object);
+        const geometry::Aabb box = world_box_of(moving);
+        for (const WorldObject& fixed : world.objects) {
+            if (fixed.rigid.mass_kg != 0.0 || !may_overlap(box, fixed) ||
+                pass_through(world, object.rigid.id, fixed.rigid.id))
+                continue;
+            const double depth_m = physics::overlap_m(moving, to_rigid(fixed));
+            if (depth_m <= kDeepRigid_m) continue;
+            lines.push_back(
+                fmt::format("object_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which "
+                            "is fixed: move it with position_m, the place of {}\"",
+                            object.name,
+                            depth_m,
+                            fixed.name,
+                            object.look.model.empty() ? "its middle" : "its file's origin"));
+            break;
+        }
+    }
+}
+
+void doubt_soft(const WorldDescription& world, std::vector<std::string>& lines) {
+    for (const WorldSoftObject& soft : world.soft) {
+        for (const WorldObject& fixed : world.objects) {
+            if (fixed.rigid.mass_kg != 0.0) continue;
+            const double depth_m = physics::overlap_m(soft.object, to_rigid(fixed));
+            if (depth_m <= kDeepSoft_m) continue;
+            lines.push_back(fmt::format(
+                "soft_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which is fixed: move "
+                "it with position_m\"",
+                soft.name,
+                depth_m,
+                fixed.name));
+            break;
+        }
+    }
+}
+
+}  // namespace
+
+void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines) {
+    doubt_rigid(world, lines);
+    doubt_soft(world, lines);
+}
+
+void doubt_anchors(const WorldDescription& world, std::vector<std::string>& lines) {
+    const auto find = [&](std::uint32_t id) {
+        return std::ranges::find(
+            world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
+    };
+    for (const physics::Joint& joint : world.joints) {
+        const bool is_point =
+            joint.kind == physics::JointKind::kHinge || joint.kind == physics::JointKind::kBall;
+        const auto a = find(joint.a);
+        const auto b = find(joint.b);
+        if (!is_point || a == world.objects.end() || b == world.objects.end()) continue;
+        const double nearest_m =
+            std::min(distance_m(joint.anchor_m, a->rigid), distance_m(joint.anchor_m, b->rigid));
+        if (nearest_m <= kFarAnchor_m) continue;
+        lines.push_back(
+            fmt::format("joint_looks_wrong a={} b={} reason=\"anchor_m [{}] is {:.2g} m away from "
+                        "both objects; it is a place in the world, not in an object\"",
+                        a->name,
+                        b->name,
+                        fmt::join(joint.anchor_m, ", "),
+                        nearest_m));
+    }
+}
+
+}  // namespace atrium::world_server

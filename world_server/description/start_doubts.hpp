@@ -1,0 +1,17 @@
+#pragma once
+
+#include "world_server/description/world_description.hpp"
+
+#include <string>
+#include <vector>
+
+namespace atrium::world_server {
+
+/// Adds a line for each moving or soft object that starts inside a plane or another fixed object,
+/// unless a joint without `collide` connects the two. Solid scenery does not count.
+void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines);
+
+/// Adds a line for each hinge or ball between two objects that is far from both of them.
+void doubt_anchors(const WorldDescription& world, std::vector<std::string>& lines);
+
+}  // namespace atrium::world_server

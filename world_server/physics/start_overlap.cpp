@@ -1,0 +1,117 @@
+#include "world_server/physics/start_overlap.hpp"
+
+#include "world_server/physics/rigid/bullet_types.hpp"
+#include "world_server/physics/rigid/collision_shape.hpp"
+#include "world_server/physics/rigid/shape_distance.hpp"
+#include "world_server/physics/soft/soft_mesh.hpp"
+
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
+#include <btBulletCollisionCommon.h>
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+namespace atrium::physics {
+namespace {
+
+using EachConvex = std::function<void(const btConvexShape& part, const btTransform& world)>;
+
+void for_each_convex(const btCollisionShape& shape,
+                     const btTransform& world_from_shape,
+                     const EachConvex& look_at) {
+    if (shape.isConvex()) {
+        look_at(static_cast<const btConvexShape&>(shape), world_from_shape);
+    } else if (shape.isCompound()) {
+        const auto& compound = static_cast<const btCompoundShape&>(shape);
+        for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+            for_each_convex(*compound.getChildShape(i),
+                            world_from_shape * compound.getChildTransform(i),
+                            look_at);
+        }
+    }
+}
+
+bool may_touch(const btConvexShape& a,
+               const btTransform& world_from_a,
+               const btConvexShape& b,
+               const btTransform& world_from_b) {
+    btVector3 low_a, high_a, low_b, high_b;
+    a.getAabb(world_from_a, low_a, high_a);
+    b.getAabb(world_from_b, low_b, high_b);
+    for (int i = 0; i < 3; ++i) {
+        if (low_a[i] > high_b[i] || low_b[i] > high_a[i]) return false;
+    }
+    return true;
+}
+
+double depth_in_plane(const btConvexShape& part,
+                      const btTransform& world_from_part,
+                      const btStaticPlaneShape& plane,
+                      const btTransform& world_from_plane) {
+    const btTransform plane_from_part = world_from_plane.inverse() * world_from_part;
+    const btVector3 down = -plane.getPlaneNormal();
+    const btVector3 lowest =
+        plane_from_part * part.localGetSupportingVertex(down * plane_from_part.getBasis());
+    return plane.getPlaneConstant() + down.dot(lowest);
+}
+
+double depth_in_convex(const btConvexShape& part,
+                       const btTransform& world_from_part,
+                       const btConvexShape& fixed,
+                       const btTransform& world_from_fixed) {
+    if (!may_touch(part, world_from_part, fixed, world_from_fixed)) return 0.0;
+    btVector3 guess = world_from_fixed.getOrigin() - world_from_part.getOrigin();
+    if (guess.fuzzyZero()) guess = btVector3(0, 0, 1);
+    btGjkEpaSolver2::sResults results;
+    const bool overlaps = btGjkEpaSolver2::Penetration(
+        &part, world_from_part, &fixed, world_from_fixed, guess, results);
+    return overlaps ? -results.distance : 0.0;
+}
+
+btTransform world_from_body(const RigidObject& object, const CollisionShape& shape) {
+    return to_bullet(object.world_from_object * shape.object_from_body());
+}
+
+}  // namespace
+
+double overlap_m(const RigidObject& moving, const RigidObject& fixed) {
+    CollisionShape shape(moving);
+    CollisionShape fixed_shape(fixed);
+    const btTransform world_from_fixed = world_from_body(fixed, fixed_shape);
+    double deepest_m = 0.0;
+    for_each_convex(
+        shape.shape(), world_from_body(moving, shape), [&](const auto& part, const auto& pose) {
+            if (fixed.shape == ObjectShape::kPlane) {
+                const auto& plane = static_cast<const btStaticPlaneShape&>(fixed_shape.shape());
+                deepest_m =
+                    std::max(deepest_m, depth_in_plane(part, pose, plane, world_from_fixed));
+                return;
+            }
+            for_each_convex(
+                fixed_shape.shape(), world_from_fixed, [&](const auto& wall, const auto& at) {
+                    deepest_m = std::max(deepest_m, depth_in_convex(part, pose, wall, at));
+                });
+        });
+    return deepest_m;
+}
+
+double overlap_m(const SoftObject& soft, const RigidObject& fixed) {
+    CollisionShape fixed_shape(fixed);
+    const btTransform fixed_from_world = world_from_body(fixed, fixed_shape).inverse();
+    const SoftMesh mesh = make_soft_mesh(soft);
+    std::vector<bool> is_held(mesh.nodes.size());
+    for (const SoftPin& pin : soft.pins) {
+        for (const std::uint32_t node : nodes_at(mesh, soft, pin)) is_held[node] = true;
+    }
+    double deepest_m = 0.0;
+    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+        if (is_held[i]) continue;
+        const btVector3 node = to_bullet(soft.world_from_object * mesh.nodes[i]);
+        const auto found = distance_to_shape(fixed_shape.shape(), fixed_from_world * node, 0);
+        if (found) deepest_m = std::max<double>(deepest_m, -found->distance);
+    }
+    return deepest_m;
+}
+
+}  // namespace atrium::physics
