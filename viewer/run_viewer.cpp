@@ -103,11 +103,14 @@ private:
                 "join_failed world={} reason=\"{}\"", config_.bus.world, viewer.error().message);
             return std::nullopt;
         }
-        if ((*viewer)->has_window()) {
+        const bool has_window = (*viewer)->has_window();
+        const auto done = (*viewer)->run(stop_);
+        // a mistyped world would stay in the list
+        if (has_window && (*viewer)->has_met_others()) {
             if (const auto kept = recent_.add(config_.bus); !kept)
                 app::log::warn("recent_worlds_failed reason=\"{}\"", kept.error().message);
         }
-        if (auto done = (*viewer)->run(stop_); !done) return app::fail(done.error());
+        if (!done) return app::fail(done.error());
         surface_ = (*viewer)->take_surface();
         return surface_ ? std::nullopt : std::optional<int>(0);
     }

@@ -154,8 +154,10 @@ void Viewer::Impl::take_edit_news(Clock::time_point now) {
 
 void Viewer::Impl::send_edits() {
     for (const bus::SceneEdit& edit : control.take_edits()) {
-        if (const auto sent = session->edits().send(edit); !sent)
+        if (const auto sent = session->edits().send(edit); !sent) {
             command_failures.warn("edit_failed " + sent.error().message);
+            show_notice("not sent: " + sent.error().message);
+        }
     }
 }
 
@@ -178,6 +180,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (events.reset_scene)
         show_notice(statistics.servers().are_there ? "asked to reset all objects"
                                                    : "not reset: no world server is running");
+    if (!events.edit.hint.empty()) show_notice(events.edit.hint);
     if (events.debug) picture.annotations->toggle_debug();
     if (events.names) picture.annotations->toggle_names();
     if (events.stream) notify_user(output_files.toggle_stream(renderer));
@@ -255,6 +258,8 @@ Expected<void> Viewer::Impl::adapt_quality(Clock::duration busy, Clock::time_poi
 void Viewer::Impl::update_status(Clock::time_point now) {
     hud.num_video_dropped = output_files.num_dropped();
     const std::vector<SiteLine> before = hud.sites;
+    hud.missing_file = picture.scene.missing_file();
+    statistics.set_worlds_meant(membership.worlds_meant());
     statistics.update(
         now, *session, picture.people, picture.scene.site_names(), drawing->quality(), hud);
     if (const std::string left = text_of_left(before, hud.sites); !left.empty()) show_notice(left);
@@ -373,6 +378,10 @@ std::unique_ptr<Surface> Viewer::take_surface() { return std::move(impl_->closed
 
 bool Viewer::has_window() const {
     return impl_->picture.surface && impl_->picture.surface->is_window();
+}
+
+bool Viewer::has_met_others() const {
+    return impl_->session->world_heard() || impl_->membership.has_met_others();
 }
 
 bus::ViewerStatus Viewer::status() const { return impl_->statistics.status(); }

@@ -35,6 +35,8 @@ public:
 
     /// Before `run` with kOpenedNow: whether there is a window.
     bool has_window() const;
+    /// Whether a world server or a site was heard in the world.
+    bool has_met_others() const;
     /// Current status. Any thread.
     bus::ViewerStatus status() const;
 

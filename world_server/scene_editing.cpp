@@ -148,8 +148,7 @@ Expected<EditOutcome> Scene::change(const bus::SceneEdit& edit) {
     rigid.restitution = changed.restitution;
     if (is_simple(changed.shape)) rigid.size_m = changed.size_m;
     if (const auto problem = physics::find_problem(rigid))
-        return refuse_edit(
-            fmt::format("{}: {} {}", changed.name, problem->field, problem->allowed));
+        return refuse_edit(fmt::format("{} {}", problem->field, problem->allowed));
     if (!world_->change(rigid)) {
         return refuse_edit(fmt::format("{} is joined to something: it keeps its size, and stays {}",
                                        changed.name,

@@ -56,8 +56,26 @@ std::optional<std::size_t> distance(std::string_view written, std::string_view m
 std::optional<std::size_t> rank(std::string_view written, std::string_view meant) {
     constexpr std::size_t kOtherTable = 10;
     if (const auto whole = distance(written, meant)) return whole;
-    const auto parts = distance(after_last_dot(written), after_last_dot(meant));
+    // two other letters make another word of a short one: "size", "tile", "nice"
+    constexpr std::size_t kShort = 4;
+    const std::string_view part = after_last_dot(written);
+    const auto parts = distance(part, after_last_dot(meant));
+    if (parts && *parts > 1 && part.size() <= kShort) return std::nullopt;
     return parts ? std::optional(*parts + kOtherTable) : std::nullopt;
+}
+
+// A size is given as width and height.
+std::vector<std::string> sizes_meant_by(std::string_view written,
+                                        const std::vector<std::string>& names) {
+    std::vector<std::string> meant;
+    const std::string_view part = after_last_dot(written);
+    if (part != "size" && part != "resolution") return meant;
+    const std::string_view table = written.substr(0, written.size() - part.size());
+    for (const std::string_view side : {"width", "height"}) {
+        const std::string name = std::string(table).append(side);
+        if (std::ranges::find(names, name) != names.end()) meant.push_back(name);
+    }
+    return meant;
 }
 
 std::string in_lower_case(std::string text) {
@@ -81,7 +99,8 @@ std::vector<std::string> names_meant_by(std::string_view written,
     constexpr std::size_t kMaxNames = 3;
     const std::string plain = with_underscores(written);
     std::optional<std::size_t> best;
-    std::vector<std::string> meant;
+    std::vector<std::string> meant = sizes_meant_by(written, names);
+    if (!meant.empty()) return meant;
     for (const std::string& name : names) {
         const auto found = rank(plain, with_underscores(name));
         if (!found || (best && *found > *best)) continue;

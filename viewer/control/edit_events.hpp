@@ -32,6 +32,7 @@ struct EditEvents {
     std::optional<NewModel> add_model;
     std::string save_world;  // name; empty: none
     std::string load_world;
+    std::string hint;  // why the panel did not take a value; empty: none
 };
 
 }  // namespace atrium::viewer

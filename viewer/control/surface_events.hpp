@@ -42,6 +42,7 @@ struct SurfaceEvents {
     std::optional<NewObject> add;         // add this object before the eye
     std::optional<std::uint32_t> remove;  // remove this object
     bool remove_pointed = false;          // remove the selected object, or that under the pointer
+    bool is_over_panel = false;           // with `remove_pointed`: no object is under the pointer
     EditEvents edit;
     bool scan_models = false;   // read the list of models
     std::string measure_model;  // read the size of this model; empty: none

@@ -1,6 +1,7 @@
 #include "viewer/control/user_control.hpp"
 
 #include <iterator>
+#include <string>
 #include <utility>
 
 namespace atrium::viewer {
@@ -54,8 +55,14 @@ UserControl::Commands UserControl::move(const SurfaceEvents& events,
     }
     Commands commands = mouse_.update(pointer, camera_, shown.pick, now);
     if (mouse_.is_holding()) motion.turn_px.setZero();  // the drag moves the object
-    if (events.follow) follow_.toggle_follow(camera_, shown.people);
-    if (events.person > 0) follow_.toggle_first_person(events.person, shown.people);
+    if (events.follow) {
+        if (shown.people.empty()) texts_.emplace_back("nobody is here to follow");
+        follow_.toggle_follow(camera_, shown.people);
+    }
+    if (events.person > shown.people.size())
+        texts_.push_back("no person " + std::to_string(events.person));
+    else if (events.person > 0)
+        follow_.toggle_first_person(events.person, shown.people);
     if (events.leave_eyes) follow_.leave_eyes();
     if (events.reset_view) follow_.leave();
     if (events.follow || events.person > 0 || events.reset_view || moves(motion)) flight_.stop();
@@ -90,10 +97,15 @@ UserControl::Commands UserControl::edit(const SurfaceEvents& events,
         add_to(edits_, editing_.add(make_object(*events.edit.add_model, eye), now));
     if (events.remove) remove(*events.remove, shown, now, commands);
     if (events.remove_pointed && !is_fixed_) {
-        const auto hit = shown.pick(ray_through(camera_, shown.pointer));
+        const auto hit =
+            events.is_over_panel ? std::nullopt : shown.pick(ray_through(camera_, shown.pointer));
         const std::uint32_t pointed = hit ? hit->object : 0;
-        const std::uint32_t object = editing_.selected() != 0 ? editing_.selected() : pointed;
-        if (object != 0) remove(object, shown, now, commands);
+        const bool is_selected = shown.objects.contains(editing_.selected());
+        const std::uint32_t object = is_selected ? editing_.selected() : pointed;
+        if (object != 0)
+            remove(object, shown, now, commands);
+        else
+            texts_.emplace_back("nothing to remove here: select an object, or point at one");
     }
     return commands;
 }

@@ -60,9 +60,13 @@ public:
                   Clock::time_point now);
     /// Takes the edits for the world server since the last call.
     WorldEditing::Edits take_edits() { return std::exchange(edits_, {}); }
-    /// Takes news about edits; returns what the user should read.
+    /// Takes news about edits; returns what the user should read, also about keys without an
+    /// effect.
     std::vector<std::string> take(EditNews news, Clock::time_point now) {
-        return editing_.take(std::move(news), now);
+        std::vector<std::string> texts = editing_.take(std::move(news), now);
+        texts.insert(texts.end(), texts_.begin(), texts_.end());
+        texts_.clear();
+        return texts;
     }
     EditView edit_view(const Shown& shown) const { return editing_.view(edit_shown(shown)); }
     /// Outcomes of the edits, see SceneEditor.
@@ -83,6 +87,7 @@ private:
     SceneEditor editor_;
     WorldEditing editing_;
     WorldEditing::Edits edits_;
+    std::vector<std::string> texts_;  // answers to keys without an effect
     FollowCamera follow_;
     ViewFlight flight_;
 };

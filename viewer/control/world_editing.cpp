@@ -171,7 +171,6 @@ WorldEditing::Edits WorldEditing::remove(std::uint32_t object,
                                          Clock::time_point now) {
     const auto removed = object_of(object, shown);
     if (!removed) return {};
-    if (selected_ == object) selected_ = 0;
     return {history_.remove(*removed, now)};
 }
 

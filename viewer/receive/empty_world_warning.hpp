@@ -24,10 +24,12 @@ public:
                 Clock::time_point now,
                 bool is_over) {
         begin_ = std::min(begin_, now);
-        is_known_ = is_known_ || std::ranges::any_of(present, [](const bus::Presence& member) {
-                        return member.kind == bus::ProgramKind::kWorldServer ||
-                               member.kind == bus::ProgramKind::kSiteNode;
-                    });
+        has_met_others_ =
+            has_met_others_ || std::ranges::any_of(present, [](const bus::Presence& member) {
+                return member.kind == bus::ProgramKind::kWorldServer ||
+                       member.kind == bus::ProgramKind::kSiteNode;
+            });
+        is_known_ = is_known_ || has_met_others_;
         if (is_known_ || (!is_over && now - begin_ < kPatience)) return false;
         is_known_ = true;
         app::log::warn(
@@ -38,7 +40,11 @@ public:
         return true;
     }
 
+    /// Whether a world server or a site was ever present.
+    bool has_met_others() const { return has_met_others_; }
+
 private:
+    bool has_met_others_ = false;
     Clock::time_point begin_ = Clock::time_point::max();
     bool is_known_ = false;  // somebody is there, or the warning was given
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 namespace atrium::viewer {
 namespace {
@@ -127,15 +128,20 @@ void Session::write_feedback() {
 
 void Session::take_objects() {
     const auto now = std::chrono::steady_clock::now();
+    bool is_lost = false;
     note(readers_.objects.take(
         [this](bus::SceneObject&& object) {
             const std::lock_guard lock(scene_mutex_);
             scene_.objects.insert_or_assign(object.object, std::move(object));
         },
-        [this](const bus::SceneObject& gone) {
+        [&](const bus::SceneObject& gone, bus::Ending how) {
             const std::lock_guard lock(scene_mutex_);
             scene_.objects.insert_or_assign(gone.object, std::nullopt);
+            is_lost |= how == bus::Ending::kLost;
         }));
+    const bool has_writer = readers_.objects.num_writers() > 0;
+    is_lost |= std::exchange(has_object_writer_, has_writer) && !has_writer;
+    if (is_lost) world_lost_ns_ = std::chrono::nanoseconds(now.time_since_epoch()).count();
     note(readers_.states.take([&](bus::SceneState&& state) {
         const std::lock_guard lock(scene_mutex_);
         if (scene_.states.size() >= kMaxWaitingStates) scene_.states.erase(scene_.states.begin());

@@ -90,6 +90,13 @@ public:
         if (ns == 0) return std::nullopt;
         return std::chrono::steady_clock::time_point(std::chrono::nanoseconds(ns));
     }
+    /// Time at which objects of the world were last found to have no writer any more: their world
+    /// server has ended or is cut off. Empty: never.
+    std::optional<std::chrono::steady_clock::time_point> world_lost() const {
+        const std::int64_t ns = world_lost_ns_;
+        if (ns == 0) return std::nullopt;
+        return std::chrono::steady_clock::time_point(std::chrono::nanoseconds(ns));
+    }
     /// Physics proxies of people and models, received on demand.
     ProxyInbox& proxies() { return proxies_; }
     /// Returns a model that is no longer shown; the decoder reuses its memory.
@@ -192,6 +199,8 @@ private:
     StatusReports statuses_;  // also guarded by scene_mutex_
     app::log::OncePerSecond rejections_;
     std::atomic<std::int64_t> world_heard_ns_ = 0;  // steady clock; 0: never
+    bool has_object_writer_ = false;                // receiving thread only
+    std::atomic<std::int64_t> world_lost_ns_ = 0;   // as world_heard_ns_
     std::atomic<std::uint64_t> num_pairs_skipped_ = 0;
     std::atomic<std::uint64_t> num_incomplete_ = 0;
     std::atomic<std::uint64_t> num_rejected_ = 0;

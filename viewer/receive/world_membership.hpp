@@ -11,6 +11,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <string_view>
 
 namespace atrium::viewer {
 
@@ -25,6 +26,15 @@ public:
     Expected<void> check_name() const;
     /// As bus::Participant::place.
     std::string place() const { return membership_->place(); }
+    /// Worlds that may be meant instead: "evening,evenings". Empty: none.
+    std::string worlds_meant() const {
+        constexpr std::string_view kKey = "did_you_mean=";
+        const std::string text = place();
+        const auto at = text.find(kKey);
+        return at == std::string::npos ? "" : text.substr(at + kKey.size());
+    }
+    /// Whether a world server or a site was there.
+    bool has_met_others() const { return empty_world_.has_met_others(); }
     /// Updates the warning. `is_over`: the run ends.
     void warn_if_alone(std::chrono::steady_clock::time_point now, bool is_over) {
         empty_world_.update(membership_->present(), membership_->place(), now, is_over);

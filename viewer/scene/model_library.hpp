@@ -29,6 +29,11 @@ public:
     std::vector<renderer::ObjectLook> look_of(const bus::Scenery& scenery);
     /// The whole model, if it is loaded; else null.
     std::shared_ptr<const renderer::ShapeMesh> loaded(const std::string& file, double scale) const;
+    /// Whether the file cannot be loaded.
+    bool is_missing(const std::string& file, double scale) const {
+        const auto known = models_.find({file, scale});
+        return known != models_.end() && known->second.whole == nullptr;
+    }
     /// Returns the files loaded since the last call; looks that use them have changed. Never
     /// blocks.
     std::set<std::string> take();

@@ -194,6 +194,19 @@ std::set<std::string> SceneView::site_names() const {
     return names;
 }
 
+std::string SceneView::missing_file() const {
+    const auto missing_of = [this](const auto& thing) -> std::string {
+        if (!thing.model.empty() && models_.is_missing(thing.model, thing.model_scale))
+            return "model " + thing.model;
+        return textures_.is_missing(thing.texture) ? "texture " + thing.texture : "";
+    };
+    for (const auto& [id, object] : objects_)
+        if (std::string missing = missing_of(object); !missing.empty()) return missing;
+    for (const auto& [name, scenery] : scenery_)
+        if (std::string missing = missing_of(scenery); !missing.empty()) return missing;
+    return {};
+}
+
 void SceneView::clear() {
     timeline_.clear();
     soft_timeline_.clear();

@@ -47,6 +47,9 @@ public:
     using Sites = std::map<std::string, std::shared_ptr<const bus::SiteDescription>>;
     const Sites& sites() const { return sites_; }
     std::set<std::string> site_names() const;
+    /// A model or texture of the objects and scenery that could not be read: "model chair.obj".
+    /// Empty: none.
+    std::string missing_file() const;
     /// Increases with every change of `objects`.
     std::uint64_t revision() const { return revision_; }
     /// Drops everything; call it when the renderer is destroyed.

@@ -37,6 +37,8 @@ public:
     /// Requests a file of the folder (bus::is_valid_model_file). Ignored if it was requested since
     /// the last `forget`.
     void want(const std::string& file);
+    /// Whether the file could not be read.
+    bool is_missing(const std::string& file) const { return complained_.contains(file); }
     /// Returns the textures loaded since the last call. Never blocks.
     std::vector<Loaded> take();
     /// Drops all requests. Files may be requested again.

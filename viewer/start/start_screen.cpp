@@ -32,7 +32,7 @@ std::string title_of(const bus::BusOptions& options) {
 }
 
 // Writes the name before the field that follows, on the same line.
-void name_field(const char* name, double width_px) {
+void labelled_field(const char* name, double width_px) {
     ImGui::SameLine(0.0f, ui_px(16.0));
     ImGui::TextUnformatted(name);
     ImGui::SameLine();
@@ -150,14 +150,14 @@ void StartScreen::draw_network() {
             if (ImGui::Selectable(network, options_.network == network)) options_.network = network;
         ImGui::EndCombo();
     }
-    name_field("domain", 120.0);
+    labelled_field("domain", 120.0);
     // only when the number is complete: each change leaves a domain and joins another
     ImGui::InputInt("##domain", &domain_);
     if (ImGui::IsItemDeactivatedAfterEdit()) {
         domain_ = std::clamp(domain_, 0, 230);
         options_.domain = static_cast<std::uint32_t>(domain_);
     }
-    name_field("peers", 200.0);
+    labelled_field("peers", 200.0);
     ImGui::InputTextWithHint("##peers", "host,host", peers_.data(), peers_.size());
     if (ImGui::IsItemDeactivatedAfterEdit()) options_.peers = peers_.data();
     if (!failure_.empty()) ImGui::TextColored(kWarningColour, "%s", failure_.c_str());

@@ -4,13 +4,16 @@
 
 #include <imgui.h>
 
-#include <algorithm>
-#include <cstring>
+#include <cstdio>
+#include <span>
+#include <utility>
 
 namespace atrium::viewer {
 namespace {
 
 constexpr double kAskedS = 2.5;  // then the fields show the world again
+constexpr NumberRange kSizes{0.01f, 20.0f, "%.3f m", 0.005f};
+constexpr NumberRange kMasses{0.0f, 10000.0f, "%.3f kg"};  // 0: fixed
 
 bool is_equal(const bus::SceneObject& a, const bus::SceneObject& b) {
     return a.object == b.object && a.name == b.name && a.size_m == b.size_m &&
@@ -58,38 +61,31 @@ bus::SceneObject EditPanel::form() const {
     return form;
 }
 
-void EditPanel::draw_fields(const bus::SceneObject& object) {
-    constexpr auto kClamp = ImGuiSliderFlags_AlwaysClamp;
-    ImGui::InputText("name",
-                     name_.data(),
-                     name_.size(),
-                     ImGuiInputTextFlags_CallbackCharFilter,
-                     &allowed_in_names);
-    const float step = 0.005f;
+// Returns the problem of a number that was typed; empty: none.
+std::string EditPanel::draw_fields(const bus::SceneObject& object) {
+    std::string problem;
+    const auto number = [&](const char* title, std::span<float> values, const NumberRange& range) {
+        if (std::string found = number_field(title, values, range); !found.empty())
+            problem = std::move(found);
+    };
+    name_field("name", name_);
     if (object.shape == bus::Shape::kBox) {
-        ImGui::DragFloat3("size", size_m_.data(), step, 0.01f, 20.0f, "%.3f m", kClamp);
+        number("size", size_m_, kSizes);
     } else if (object.shape < bus::Shape::kConvex && object.shape != bus::Shape::kPlane) {
-        ImGui::DragFloat("diameter", &size_m_[0], step, 0.01f, 20.0f, "%.3f m", kClamp);
-        if (object.shape != bus::Shape::kSphere)
-            ImGui::DragFloat("height", &size_m_[2], step, 0.01f, 20.0f, "%.3f m", kClamp);
+        number("diameter", {&size_m_[0], 1}, kSizes);
+        if (object.shape != bus::Shape::kSphere) number("height", {&size_m_[2], 1}, kSizes);
     }
     if (object.shape != bus::Shape::kPlane) {
         ImGui::Checkbox("fixed", &is_fixed_);
         ImGui::BeginDisabled(is_fixed_);
-        ImGui::DragFloat("mass",
-                         &mass_kg_,
-                         0.02f,
-                         0.001f,
-                         10000.0f,
-                         "%.3f kg",
-                         kClamp | ImGuiSliderFlags_Logarithmic);
+        number("mass", {&mass_kg_, 1}, kMasses);
         ImGui::EndDisabled();
-        if (!is_fixed_) movable_mass_kg_ = mass_kg_;
+        if (!is_fixed_ && mass_kg_ > 0.0f) movable_mass_kg_ = mass_kg_;
     }
-    ImGui::SliderFloat("friction", &friction_, 0.0f, 2.0f, "%.2f");
-    friction_ = std::clamp(friction_, 0.0f, 10.0f);
-    ImGui::SliderFloat("bounce", &restitution_, 0.0f, 1.0f, "%.2f", kClamp);
+    number("friction", {&friction_, 1}, {0.0f, 10.0f, "%.2f", 0.005f});
+    number("bounce", {&restitution_, 1}, {0.0f, 1.0f, "%.2f", 0.0025f});
     ImGui::ColorEdit3("colour", colour_.data(), ImGuiColorEditFlags_NoInputs);
+    return problem;
 }
 
 void EditPanel::draw_place(const HudContent& content, SurfaceEvents& events) {
@@ -116,10 +112,10 @@ void EditPanel::draw_place(const HudContent& content, SurfaceEvents& events) {
     ImGui::EndDisabled();
 }
 
-float EditPanel::draw(const HudContent& content, float left, SurfaceEvents& events) {
+void EditPanel::draw(const HudContent& content, float left, SurfaceEvents& events) {
     if (!content.edit.selected) {
         seen_ = {};
-        return left;
+        return;
     }
     const bus::SceneObject& object = *content.edit.selected;
     const double now_s = ImGui::GetTime();
@@ -141,21 +137,26 @@ float EditPanel::draw(const HudContent& content, float left, SurfaceEvents& even
                      ImGuiWindowFlags_NoSavedSettings);
     ImGui::PushItemWidth(-6.5f * font);
     ImGui::Text("%s (%u)", object.name.c_str(), object.object);
+    std::string problem;
     if (!content.edit.is_supported)
         ImGui::TextWrapped("This world server does not know edits.");
     else if (object.shape != bus::Shape::kSoft)
-        draw_fields(object);
+        problem = draw_fields(object);
     draw_place(content, events);
     ImGui::PopItemWidth();
-    const float right = ImGui::GetWindowPos().x + ImGui::GetWindowSize().x;
     ImGui::End();
-    if (ImGui::IsAnyItemActive() || object.shape == bus::Shape::kSoft) return right;
+    if (ImGui::IsAnyItemActive() || object.shape == bus::Shape::kSoft) return;
+    if (!problem.empty()) {
+        events.edit.hint = std::move(problem);
+        load(object);
+        return;
+    }
     bus::SceneObject wanted = form();
-    if (is_equal(wanted, asked_)) return right;
+    if (is_equal(wanted, asked_)) return;
     asked_ = wanted;
     asked_at_s_ = now_s;
     events.edit.change = std::move(wanted);
-    return right;
+    return;
 }
 
 }  // namespace atrium::viewer

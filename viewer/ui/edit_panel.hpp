@@ -13,14 +13,13 @@ namespace atrium::viewer {
 class EditPanel {
 public:
     /// Shows nothing if no object is selected. Writes the user's changes to `events`, each when the
-    /// user has let go of its field. The panel lies to the right of `left` [px]. Returns its own
-    /// right edge, or `left` without one.
-    float draw(const HudContent& content, float left, SurfaceEvents& events);
+    /// user has let go of its field. The panel lies to the right of `left` [px].
+    void draw(const HudContent& content, float left, SurfaceEvents& events);
 
 private:
     void load(const bus::SceneObject& object);
     bus::SceneObject form() const;
-    void draw_fields(const bus::SceneObject& object);
+    std::string draw_fields(const bus::SceneObject& object);
     void draw_place(const HudContent& content, SurfaceEvents& events);
 
     bus::SceneObject seen_;   // as the world had it when the fields were filled
@@ -45,7 +44,11 @@ private:
     void draw_models(const HudContent& content, SurfaceEvents& events);
     void draw_worlds(const HudContent& content, SurfaceEvents& events);
 
+    void show_lowest();
+
     bool was_models_open_ = false;
+    bool were_worlds_open_ = false;
+    int frames_to_show_ = 0;  // pictures in which the menu still scrolls to what has just appeared
     std::array<char, 64> filter_{};
     std::string model_;  // selected; empty: none
     float scale_ = 1.0f;
@@ -55,6 +58,7 @@ private:
     std::array<char, 64> world_name_{};
     std::string world_;       // selected; empty: none
     bool asks_load_ = false;  // waits for a second press
+    bool asks_save_ = false;  // as asks_load_, over a saved world
 };
 
 }  // namespace atrium::viewer

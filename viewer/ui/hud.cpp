@@ -9,7 +9,9 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
+#include <string_view>
 
 namespace atrium::viewer {
 namespace {
@@ -19,6 +21,7 @@ constexpr double kHistory_s = 30.0;
 constexpr double kLineWidth_px = 330.0;  // at scale 1; longer lines are wrapped
 constexpr double kTwoListsFrom_px = 1050.0;
 constexpr double kDetailWidth_px = 460.0;
+constexpr float kKeysShare = 0.95f;  // of the picture's width
 constexpr std::size_t kMostWarnings = 2;
 
 void draw_warning(const std::string& text) {
@@ -46,6 +49,8 @@ void draw_sites(const HudContent& content) {
     if (num_hidden > 0)
         draw_warning(
             fmt::format("{} {} hidden (L)", num_hidden, num_hidden == 1 ? "site is" : "sites are"));
+    if (!content.missing_file.empty())
+        draw_warning(content.missing_file + " is missing: see --viewer.models");
     for (const SiteLine& line : content.sites)
         if (line.number > 0 && line.is_warning) draw_warning(line.name + ": " + line.state);
 }
@@ -94,6 +99,18 @@ void draw_details(const HudContent& content) {
     for (const HudLine& line : content.details) ImGui::TextUnformatted(line.text.c_str());
 }
 
+float text_width(std::string_view text) {
+    return ImGui::CalcTextSize(text.data(), text.data() + text.size()).x;
+}
+
+void draw_cell(std::string_view text, bool is_key) {
+    if (is_key) ImGui::PushStyleColor(ImGuiCol_Text, kWarningColour);
+    ImGui::PushTextWrapPos(0.0f);
+    ImGui::TextUnformatted(text.data(), text.data() + text.size());
+    ImGui::PopTextWrapPos();
+    if (is_key) ImGui::PopStyleColor();
+}
+
 }  // namespace
 
 float draw_hud(const HudContent& content, bool has_details) {
@@ -128,23 +145,33 @@ void draw_question(Action action) {
 }
 
 void draw_keys() {
-    begin_panel("keys", Corner::kMiddle, 0.95);
+    begin_panel("keys", Corner::kMiddle, kKeysShare);
     // two lists beside each other where there is room, so that a low window shows all
-    const std::size_t num_lists = ImGui::GetIO().DisplaySize.x >= ui_px(kTwoListsFrom_px) ? 2 : 1;
+    const float picture = ImGui::GetIO().DisplaySize.x;
+    const std::size_t num_lists = picture >= ui_px(kTwoListsFrom_px) ? 2 : 1;
     const auto bindings = key_bindings();
     const std::size_t num_rows = (bindings.size() + num_lists - 1) / num_lists;
+    std::array<float, 2> widths{};
+    for (const KeyBinding& binding : bindings) {
+        widths[0] = std::max(widths[0], text_width(binding.shown));
+        widths[1] = std::max(widths[1], text_width(binding.what));
+    }
+    // a narrow window wraps the explanations
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float inside = kKeysShare * picture - 2.0f * style.WindowPadding.x - style.ScrollbarSize;
+    const float room = inside / static_cast<float>(num_lists) - 4.0f * style.CellPadding.x;
+    widths[0] = std::min(widths[0], 0.5f * room);
+    widths[1] = std::min(widths[1], room - widths[0]);
     if (ImGui::BeginTable(
             "keys", 2 * static_cast<int>(num_lists), ImGuiTableFlags_SizingFixedFit)) {
+        for (std::size_t i = 0; i < 2 * num_lists; ++i)
+            ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, widths[i % 2]);
         for (std::size_t row = 0; row < num_rows; ++row) {
             for (std::size_t i = row; i < num_lists * num_rows; i += num_rows) {
                 for (int column = 0; column < 2; ++column) {
                     ImGui::TableNextColumn();
                     if (i >= bindings.size()) continue;
-                    const std::string_view text =
-                        column == 0 ? bindings[i].shown : bindings[i].what;
-                    if (column == 0) ImGui::PushStyleColor(ImGuiCol_Text, kWarningColour);
-                    ImGui::TextUnformatted(text.data(), text.data() + text.size());
-                    if (column == 0) ImGui::PopStyleColor();
+                    draw_cell(column == 0 ? bindings[i].shown : bindings[i].what, column == 0);
                 }
             }
         }

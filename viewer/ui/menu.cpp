@@ -1,6 +1,7 @@
 #include "viewer/ui/menu.hpp"
 
 #include "viewer/ui/fields.hpp"
+#include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/ui_scale.hpp"
 
 #include <imgui.h>
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace atrium::viewer {
 namespace {
@@ -21,14 +23,10 @@ constexpr std::array<ShapeChoice, 4> kShapes{{{"ball", bus::Shape::kSphere},
                                               {"cylinder", bus::Shape::kCylinder},
                                               {"capsule", bus::Shape::kCapsule}}};
 constexpr double kWidth_px = 290.0;  // at scale 1
-constexpr double kListHeight_px = 120.0;
-constexpr float kMinSizeM = 0.03f;
-constexpr float kMaxSizeM = 2.0f;
-
-void size_slider(const char* title, float& value_m) {
-    ImGui::SliderFloat(
-        title, &value_m, kMinSizeM, kMaxSizeM, "%.2f m", ImGuiSliderFlags_AlwaysClamp);
-}
+constexpr double kListHeight_px = 100.0;
+constexpr float kMessageLines = 3.0f;
+constexpr NumberRange kSizes{0.03f, 2.0f, "%.2f m", 0.005f};
+constexpr NumberRange kMasses{0.05f, 50.0f, "%.2f kg"};
 
 }  // namespace
 
@@ -44,25 +42,20 @@ void Menu::draw_new_object(SurfaceEvents& events) {
         ImGui::RadioButton(title, &shape_, i);
     }
     const bus::Shape shape = kShapes[static_cast<std::size_t>(shape_)].shape;
+    const auto number = [&](const char* title, float& value, const NumberRange& range) {
+        if (std::string problem = number_field(title, {&value, 1}, range); !problem.empty())
+            events.edit.hint = std::move(problem);
+    };
     if (shape == bus::Shape::kBox) {
-        size_slider("length", size_m_[0]);
-        size_slider("width", size_m_[1]);
+        number("length", size_m_[0], kSizes);
+        number("width", size_m_[1], kSizes);
     } else {
-        size_slider("diameter", size_m_[0]);
+        number("diameter", size_m_[0], kSizes);
     }
-    if (shape != bus::Shape::kSphere) size_slider("height", size_m_[2]);
-    ImGui::SliderFloat("mass",
-                       &mass_kg_,
-                       0.05f,
-                       50.0f,
-                       "%.2f kg",
-                       ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
+    if (shape != bus::Shape::kSphere) number("height", size_m_[2], kSizes);
+    number("mass", mass_kg_, kMasses);
     ImGui::ColorEdit3("colour", colour_.data(), ImGuiColorEditFlags_NoInputs);
-    ImGui::InputText("name",
-                     name_.data(),
-                     name_.size(),
-                     ImGuiInputTextFlags_CallbackCharFilter,
-                     &allowed_in_names);
+    name_field("name", name_);
     if (!ImGui::Button("add it before the eye", {-1.0f, 0.0f})) return;
     NewObject wanted;
     wanted.shape = shape;
@@ -122,14 +115,20 @@ void Menu::draw(const HudContent& content, SurfaceEvents& events) {
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings);
     ImGui::PushItemWidth(-ui_px(80.0));
+    // above all fields, which must not move while the user presses them
+    const float lines = kMessageLines * ImGui::GetTextLineHeightWithSpacing();
+    ImGui::BeginChild("message", {0.0f, lines});
+    if (content.notice.empty())
+        ImGui::TextColored(kHintColour, "M: close the menu");
+    else
+        ImGui::TextWrapped("%s", content.notice.c_str());
+    ImGui::EndChild();
     if (ImGui::Button("reset all objects", {-1.0f, 0.0f})) events.reset_scene = true;
     ImGui::Separator();
     draw_new_object(events);
     ImGui::Separator();
     draw_object_list(content, events);
     worlds_.draw(content, events);
-    if (!content.notice.empty()) ImGui::TextWrapped("%s", content.notice.c_str());
-    ImGui::TextUnformatted("M: close the menu");
     ImGui::PopItemWidth();
     ImGui::End();
 }

@@ -1,6 +1,12 @@
 #include "viewer/ui/panel_style.hpp"
 
+#include "viewer/ui/free_place.hpp"
 #include "viewer/ui/ui_scale.hpp"
+
+// for the sizes of the other panels
+#include <imgui_internal.h>
+
+#include <vector>
 
 namespace atrium::viewer {
 namespace {
@@ -31,9 +37,37 @@ void place_below(float left) {
     ImGui::SetNextWindowPos(at, ImGuiCond_Always, {0.0f, 1.0f});
 }
 
+void place_beside_others(const char* name, Corner corner) {
+    const ImGuiContext& context = *ImGui::GetCurrentContext();
+    const ImGuiWindow* last = ImGui::FindWindowByName(name);
+    const ImVec2 picture = ImGui::GetIO().DisplaySize;
+    const float margin = ui_px(kPanelMargin_px);
+    PanelBox wanted{margin, 0.0f, 0.0f, 0.0f};
+    if (last != nullptr) {
+        wanted.width = last->Size.x;
+        wanted.height = last->Size.y;
+    }
+    wanted.top = picture.y - margin - wanted.height;
+    if (corner == Corner::kLowerRight) wanted.left = picture.x - margin - wanted.width;
+    constexpr int kNoPanel =
+        ImGuiWindowFlags_ChildWindow | ImGuiWindowFlags_Tooltip | ImGuiWindowFlags_Popup;
+    std::vector<PanelBox> others;
+    for (const ImGuiWindow* window : context.Windows) {
+        const bool is_panel = window->WasActive && window->LastFrameActive == context.FrameCount &&
+                              !window->IsFallbackWindow && (window->Flags & kNoPanel) == 0;
+        if (is_panel && window != last)
+            others.push_back({window->Pos.x, window->Pos.y, window->Size.x, window->Size.y});
+    }
+    const PanelBox place = free_place(wanted, others, picture.x, picture.y, margin);
+    ImGui::SetNextWindowPos({place.left, place.top});
+}
+
+bool is_popup_open() {
+    return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
+}
+
 bool close_popup() {
-    constexpr int kAny = ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel;
-    if (!ImGui::IsPopupOpen("", kAny)) return false;
+    if (!is_popup_open()) return false;
     ImGui::SetWindowFocus(nullptr);  // closes all
     return true;
 }

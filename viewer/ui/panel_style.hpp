@@ -9,13 +9,20 @@ namespace atrium::viewer {
 inline const ImVec4 kHintColour{0.75f, 0.77f, 0.8f, 1.0f};
 inline const ImVec4 kWarningColour{1.0f, 0.75f, 0.3f, 1.0f};
 
-enum class Corner : std::uint8_t { kUpperLeft, kLowerRight, kMiddle };
+enum class Corner : std::uint8_t { kUpperLeft, kLowerLeft, kLowerRight, kMiddle };
 
 /// Places the next ImGui window in a corner of the picture.
 void place_in(Corner corner);
 
 /// Places the next ImGui window at the lower edge of the picture, to the right of `left` [px].
 void place_below(float left);
+
+/// Places the next ImGui window, a panel of that name, in a lower corner, or where it does not
+/// cover the panels that were laid out before it in this frame.
+void place_beside_others(const char* name, Corner corner);
+
+/// Whether a colour picker or list is open over the panels.
+bool is_popup_open();
 
 /// Closes the colour picker or list that is open over the panels. Returns whether there was one.
 bool close_popup();

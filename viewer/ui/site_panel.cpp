@@ -47,9 +47,9 @@ void SitePanel::move_choice(const std::vector<SiteLine>& sites) {
     chosen_ = sites[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at, 0, last))].name;
 }
 
-void SitePanel::draw(const HudContent& content, float left, SurfaceEvents& events) {
+void SitePanel::draw(const HudContent& content, SurfaceEvents& events) {
     move_choice(content.sites);
-    place_below(left);
+    place_beside_others("sites", Corner::kLowerLeft);
     begin_placed_panel("sites", 0.6);
     ImGui::Text("%zu %s", content.sites.size(), content.sites.size() == 1 ? "site" : "sites");
     if (ImGui::BeginTable("sites", 5, ImGuiTableFlags_SizingFixedFit)) {

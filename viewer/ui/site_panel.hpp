@@ -10,9 +10,8 @@ namespace atrium::viewer {
 /// The list of sites: hides them or shows only one, with the mouse or for the keys of the window.
 class SitePanel {
 public:
-    /// Lays out the list, to the right of `left` [px], and writes the user's choices to `events`.
-    /// Inside an ImGui frame.
-    void draw(const HudContent& content, float left, SurfaceEvents& events);
+    /// Lays out the list and writes the user's choices to `events`. Inside an ImGui frame.
+    void draw(const HudContent& content, SurfaceEvents& events);
 
     /// Chooses the next site, or the previous one.
     void choose(int step) { wanted_step_ += step; }

@@ -50,14 +50,16 @@ void StatusLines::forget_silent(Clock::time_point now) {
 }
 
 bool StatusLines::watch_world(Clock::time_point now,
-                              const std::optional<Clock::time_point>& heard) {
+                              const std::optional<Clock::time_point>& heard,
+                              const std::optional<Clock::time_point>& lost) {
     if (heard && (!last_world_ || *heard > *last_world_)) last_world_ = heard;
     if (!watched_since_) watched_since_ = now;
     is_world_missing_ = !last_world_ && now - *watched_since_ > kWorldMissing;
     if (!last_world_) return false;
     const bool was_gone = without_world_ > Clock::duration::zero();
     const Clock::duration silence = now - *last_world_;
-    const bool is_gone = silence > kWorldLost;
+    const bool is_lost = lost && *lost > *last_world_ && silence > Clock::duration::zero();
+    const bool is_gone = silence > kWorldLost || is_lost;
     if (was_gone && !is_gone) app::log::info("world_back after_s={:.1f}", seconds(without_world_));
     if (!was_gone && is_gone) app::log::warn("world_gone silent_s={:.1f}", seconds(silence));
     without_world_ = is_gone ? silence : Clock::duration::zero();
@@ -66,12 +68,17 @@ bool StatusLines::watch_world(Clock::time_point now,
 
 std::vector<HudLine> StatusLines::warnings() const {
     std::vector<HudLine> lines;
-    if (is_world_missing_) lines.push_back({"no world server in this world: no objects", true});
+    if (is_world_missing_) {
+        std::string text = "no world server in this world: no objects";
+        if (!worlds_meant_.empty())
+            text += fmt::format(". Did you mean {}? Backspace: other worlds", worlds_meant_);
+        lines.push_back({std::move(text), true});
+    }
     if (without_world_ > Clock::duration::zero()) {
         const double silent_s = seconds(without_world_);
+        const std::string time = silent_s < 0.5 ? "" : fmt::format(" for {:.0f} s", silent_s);
         lines.push_back(
-            {fmt::format("no world server for {:.0f} s: objects stand still or are gone", silent_s),
-             true});
+            {fmt::format("no world server{}: objects stand still or are gone", time), true});
     }
     for (const auto& [title, program] : programs_) {
         std::string lost;

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace atrium::viewer {
@@ -33,7 +34,14 @@ public:
     /// `heard`: when a world server was last heard, by any of its topics. Logs when the last world
     /// goes silent and when one is back. Returns whether that changed. Cheap: call it for each
     /// picture.
-    bool watch_world(Clock::time_point now, const std::optional<Clock::time_point>& heard = {});
+    ///
+    /// `lost`: when objects of a world server were found without a writer. If nothing was heard
+    /// since, the world server is gone before its silence says so.
+    bool watch_world(Clock::time_point now,
+                     const std::optional<Clock::time_point>& heard = {},
+                     const std::optional<Clock::time_point>& lost = {});
+    /// Worlds whose names may be meant instead of this one, for the warning that it has no server.
+    void set_worlds_meant(std::string names) { worlds_meant_ = std::move(names); }
 
     /// One line for each program that lost something between its last two reports, one per
     /// bottleneck, and one while no world reports.
@@ -60,6 +68,7 @@ private:
     Clock::duration without_world_{};              // 0 while there is a world, and before the first
     std::optional<Clock::time_point> watched_since_;
     bool is_world_missing_ = false;  // none was ever heard
+    std::string worlds_meant_;
 };
 
 }  // namespace atrium::viewer

@@ -61,6 +61,7 @@ struct HudContent {
     std::string followed;           // person that the viewpoint follows; empty: nobody
     std::vector<HudLine> warnings;  // from the status reports of sites and worlds
     std::vector<HudLine> details;   // stage times from the status reports
+    std::string missing_file;       // model or texture that could not be read, "model chair.obj"
     std::size_t num_objects = 0;
     std::vector<ObjectLine> objects;  // ordered by number
     EditView edit;

@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kScaleStep = 0.25;
 constexpr double kMaxUiScale = 8.0;
+constexpr double kLeastWidth_px = 720.0;    // for the panels at scale 1
 constexpr double kLetter_px = 16.0;         // size of the font at scale 1
 constexpr double kBuiltInLetter_px = 13.0;  // ImGui's own font is made for this size
 // Debian's fonts-dejavu-core, and the place of other distributions
@@ -33,9 +34,11 @@ const char* font_file() {
 
 }  // namespace
 
-double ui_scale_of(double wanted, int height_px, double content_scale) {
+double ui_scale_of(double wanted, const std::array<int, 2>& size_px, double content_scale) {
     if (wanted > 0.0) return std::min(wanted, kMaxUiScale);
-    const double scale = std::max({1.0, content_scale, height_px / kReferenceHeight_px});
+    const double of_picture =
+        std::min(size_px[1] / kReferenceHeight_px, size_px[0] / kLeastWidth_px);
+    const double scale = std::max({1.0, content_scale, of_picture});
     return std::min(kMaxUiScale, std::floor(scale / kScaleStep) * kScaleStep);
 }
 
@@ -44,6 +47,9 @@ void UiSizes::set_scale(double scale) {
     const bool is_first = !scale_;
     scale_ = scale;
     ImGui::GetStyle() = ImGuiStyle();
+    // else the box of an unticked field cannot be seen on a panel
+    ImGui::GetStyle().FrameBorderSize = 1.0f;
+    ImGui::GetStyle().Colors[ImGuiCol_Border] = {0.55f, 0.6f, 0.68f, 0.6f};
     ImGui::GetStyle().ScaleAllSizes(static_cast<float>(scale));
     ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
     fonts.Clear();

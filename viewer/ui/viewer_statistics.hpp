@@ -46,8 +46,11 @@ public:
                 HudContent& hud);
     /// Warns in `hud` at once when the world server is lost, or back. Call it for each picture.
     void watch_world(Clock::time_point now, const Session& session, HudContent& hud) {
-        if (reports_.watch_world(now, session.world_heard())) hud.warnings = reports_.warnings();
+        if (reports_.watch_world(now, session.world_heard(), session.world_lost()))
+            hud.warnings = reports_.warnings();
     }
+    /// Names worlds that may be meant, if this one turns out to have no server.
+    void set_worlds_meant(std::string names) { reports_.set_worlds_meant(std::move(names)); }
     /// Status at the last `update`. Any thread.
     bus::ViewerStatus status() const;
     /// Answers of the world servers, for SceneEditor.

@@ -56,7 +56,8 @@ void ViewpointPanel::draw_line(const ViewpointLine& line, SurfaceEvents& events)
 }
 
 void ViewpointPanel::draw(const HudContent& content, SurfaceEvents& events) {
-    begin_panel("viewpoints", Corner::kLowerRight, 0.6);
+    place_beside_others("viewpoints", Corner::kLowerRight);
+    begin_placed_panel("viewpoints", 0.6);
     ImGui::Text("%zu viewpoints", content.viewpoints.size());
     if (ImGui::BeginTable("viewpoints", 4, ImGuiTableFlags_SizingFixedFit)) {
         for (const ViewpointLine& line : content.viewpoints) draw_line(line, events);

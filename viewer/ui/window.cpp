@@ -1,6 +1,7 @@
 #include "core/gl/entry_points.hpp"
 #include "viewer/overlay/label_scale.hpp"
 #include "viewer/ui/edit_panel.hpp"
+#include "viewer/ui/fields.hpp"
 #include "viewer/ui/full_screen.hpp"
 #include "viewer/ui/hud.hpp"
 #include "viewer/ui/keys.hpp"
@@ -31,6 +32,8 @@ namespace atrium::viewer {
 namespace {
 
 constexpr double kAsksS = 3.0;
+constexpr float kDoubleClickS = 0.3f;
+constexpr float kDoubleClickPictures = 5.0f;  // down, up, down, and one between
 
 std::string last_glfw_error() {
     const char* text = nullptr;
@@ -51,7 +54,8 @@ public:
             self.taps_.pressed(key);
             const bool is_letter_meant = self.is_dragging_ || (modifiers & GLFW_MOD_CONTROL) != 0;
             if (is_letter_meant) key = key_of_letter(key);
-            if (const auto found = find_key(key, modifiers, self.is_dragging_))
+            const auto found = find_key(key, modifiers, self.is_dragging_);
+            if (found && (!self.are_keys_taken() || self.acts_over_popup(key)))
                 self.pressed(*found);
         });
         glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned character) {
@@ -66,6 +70,7 @@ public:
         // ImGui keeps its context in a global: only one window at a time
         ImGui::CreateContext();
         ImGui::GetIO().IniFilename = nullptr;
+        ImGui::GetIO().ConfigDragClickToInputText = true;
         // ImGui chains its callbacks before those above
         ImGui_ImplGlfw_InitForOpenGL(window_, true);
         ImGui_ImplOpenGL3_Init("#version 330 core");
@@ -119,7 +124,6 @@ public:
             const float hud_right = is_hud_shown_ ? draw_hud(content, has_details_) : 0.0f;
             if (is_menu_shown_) menu_.draw(content, events_);
             draw_lower_panels(content, has_details_ ? hud_right : 0.0f);
-            if (are_views_shown_) views_.draw(content, events_);
             if (are_keys_shown_) draw_keys();
             if (const auto asked = asked_again()) draw_question(*asked);
         });
@@ -145,20 +149,25 @@ public:
 
 private:
     void lay_out(const std::function<void()>& layout) {
-        sizes_.set_scale(ui_scale_of(wanted_ui_scale_, size()[1], content_scale()));
+        sizes_.set_scale(ui_scale_of(wanted_ui_scale_, size(), content_scale()));
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
         taps_.begin_frame();
+        ImGuiIO& io = ImGui::GetIO();
+        // pictures may take longer than a click
+        io.MouseDoubleClickTime = std::max(kDoubleClickS, kDoubleClickPictures * io.DeltaTime);
         ImGui::NewFrame();
+        take_commas_as_points();
         layout();
         ImGui::Render();
         taps_.end_frame();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     }
-    // beside each other, and beside the long panel, which ends at `left`
+    // beside each other, the menu and the panel; the long panel ends at `left`
     void draw_lower_panels(const HudContent& content, float left) {
-        left = edit_panel_.draw(content, left, events_);
-        if (are_sites_shown_) sites_.draw(content, left, events_);
+        edit_panel_.draw(content, left, events_);
+        if (are_sites_shown_) sites_.draw(content, events_);
+        if (are_views_shown_) views_.draw(content, events_);
     }
     void swap() {
         glFinish();  // separates drawing from waiting for the display
@@ -166,8 +175,17 @@ private:
         glfwSwapBuffers(window_);
         waited_ = std::chrono::steady_clock::now() - finished;
     }
+    // By a field that is typed into or held by the mouse, or by an open list or colour picker.
+    static bool are_keys_taken() {
+        return ImGui::GetIO().WantTextInput || ImGui::IsAnyItemActive() || is_popup_open();
+    }
+    static bool acts_over_popup(int key) {
+        const bool is_function_key = key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12;
+        return !ImGui::GetIO().WantTextInput && (is_function_key || key == GLFW_KEY_ESCAPE);
+    }
     void pressed(const PressedKey& key) {
-        if (ImGui::GetIO().WantTextInput) return;  // the user types a name
+        // any other key takes back what a first one asked
+        if (asked_ && *asked_ != key.action) asked_.reset();
         if (is_layout_only_) {
             if (key.action == Action::kFullScreen) full_screen_.toggle(window_);
             return;
@@ -215,7 +233,8 @@ private:
                 toggle(walks_);
                 break;
             case Action::kRemovePointed:
-                events_.remove_pointed = !ImGui::GetIO().WantCaptureMouse;
+                events_.remove_pointed = true;
+                events_.is_over_panel = ImGui::GetIO().WantCaptureMouse;
                 break;
             case Action::kFullScreen:
                 full_screen_.toggle(window_);
@@ -229,7 +248,7 @@ private:
     }
     // by character: the key of '?' differs between keyboards
     void typed(unsigned character) {
-        if (character == '?' && !is_layout_only_ && !ImGui::GetIO().WantTextInput)
+        if (character == '?' && !is_layout_only_ && !are_keys_taken())
             are_keys_shown_ = !are_keys_shown_;
     }
     void close_what_is_open() {
@@ -287,7 +306,7 @@ private:
         events_.motion.seconds = now_s - std::exchange(last_time_s_, now_s);
         events_.motion.walk = walks_;
         events_.edit.snaps = is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL);
-        if (ImGui::GetIO().WantTextInput) return;
+        if (are_keys_taken()) return;
         if (is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL)) return;
         const auto axis = [this](int plus, int minus) {
             return static_cast<double>(is_down(plus)) - static_cast<double>(is_down(minus));

@@ -12,7 +12,8 @@
 namespace atrium::viewer {
 namespace {
 
-constexpr float kListLines = 6.0f;
+constexpr float kListLines = 5.0f;
+constexpr int kFramesToShow = 3;           // the menu takes one or two to grow
 constexpr double kPreviewPixel_px = 1.25;  // at scale 1
 
 std::string lower(std::string text) {
@@ -56,7 +57,7 @@ void draw_preview_picture(const ModelPreview& preview) {
     ImGui::Dummy({pixel * ModelPreview::kWidth, pixel * ModelPreview::kHeight});
 }
 
-void draw_size(const ModelSize* size, double scale) {
+void draw_measured(const ModelSize* size, double scale) {
     if (size == nullptr) return ImGui::TextUnformatted("reading the model ...");
     if (!size->error.empty()) return ImGui::TextWrapped("%s", size->error.c_str());
     const Eigen::Vector3d scaled = scale * size->size_m;
@@ -67,6 +68,14 @@ void draw_size(const ModelSize* size, double scale) {
                        scaled.z(),
                        size->num_triangles,
                        size->num_parts);
+}
+
+void draw_size(const ModelSize* size, double scale) {
+    const float below = ImGui::GetCursorPosY() + ui_px(kPreviewPixel_px * ModelPreview::kHeight) +
+                        3.0f * ImGui::GetTextLineHeightWithSpacing();
+    draw_measured(size, scale);
+    // the fields below stay where they are while models are read
+    ImGui::SetCursorPosY(std::max(below, ImGui::GetCursorPosY()));
 }
 
 }  // namespace
@@ -83,7 +92,10 @@ void WorldPanel::draw_models(const HudContent& content, SurfaceEvents& events) {
         for (const ModelEntry& entry :
              content.models ? *content.models : std::vector<ModelEntry>{}) {
             if (lower(entry.file).find(filter) == std::string::npos) continue;
-            if (ImGui::Selectable(entry.file.c_str(), entry.file == model_)) model_ = entry.file;
+            if (ImGui::Selectable(entry.file.c_str(), entry.file == model_)) {
+                model_ = entry.file;
+                frames_to_show_ = kFramesToShow;
+            }
         }
         ImGui::EndListBox();
     }
@@ -91,10 +103,12 @@ void WorldPanel::draw_models(const HudContent& content, SurfaceEvents& events) {
     if (model_.empty()) return;
     const bool is_measured = content.model_size && content.measured_model == model_;
     draw_size(is_measured ? &*content.model_size : nullptr, static_cast<double>(scale_));
-    ImGui::SliderFloat("scale", &scale_, 0.01f, 100.0f, "%.3f", ImGuiSliderFlags_Logarithmic);
-    scale_ = std::clamp(scale_, 0.0001f, 10000.0f);
-    ImGui::SliderFloat(
-        "mass##model", &mass_kg_, 0.05f, 50.0f, "%.2f kg", ImGuiSliderFlags_Logarithmic);
+    const auto number = [&](const char* title, float& value, const NumberRange& range) {
+        if (std::string problem = number_field(title, {&value, 1}, range); !problem.empty())
+            events.edit.hint = std::move(problem);
+    };
+    number("scale", scale_, {0.0001f, 10000.0f, "%.4f"});
+    number("mass##model", mass_kg_, {0.01f, 1000.0f, "%.2f kg"});
     ImGui::Checkbox("fixed##model", &is_fixed_);
     ImGui::SameLine();
     ImGui::Checkbox("hull of each part", &is_compound_);
@@ -109,6 +123,14 @@ void WorldPanel::draw_models(const HudContent& content, SurfaceEvents& events) {
         events.edit.add_model = wanted;
     }
     ImGui::EndDisabled();
+    show_lowest();
+}
+
+// A menu that has just become longer scrolls to its new end.
+void WorldPanel::show_lowest() {
+    if (frames_to_show_ == 0) return;
+    --frames_to_show_;
+    ImGui::SetScrollHereY(1.0f);
 }
 
 void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
@@ -121,7 +143,7 @@ void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
         for (const bus::SavedWorld& world : worlds->worlds) {
             if (!ImGui::Selectable(world.name.c_str(), world.name == world_)) continue;
             world_ = world.name;
-            asks_load_ = false;
+            asks_load_ = asks_save_ = false;
             std::snprintf(world_name_.data(), world_name_.size(), "%s", world_.c_str());
         }
         ImGui::EndListBox();
@@ -130,37 +152,50 @@ void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
     const auto chosen = std::find_if(worlds->worlds.begin(),
                                      worlds->worlds.end(),
                                      [&](const auto& w) { return w.name == world_; });
+    // always a line, so that a second click hits the same button
     if (chosen != worlds->worlds.end())
-        ImGui::TextWrapped("%zu objects, saved %s",
-                           static_cast<std::size_t>(chosen->num_objects),
-                           time_text(chosen->time).c_str());
+        ImGui::Text("%zu objects, saved %s",
+                    static_cast<std::size_t>(chosen->num_objects),
+                    time_text(chosen->time).c_str());
+    else
+        ImGui::TextDisabled("choose one to load it");
     ImGui::BeginDisabled(world_.empty());
     // loading replaces what everybody sees
     const char* title = asks_load_ ? "replace everybody's world?" : "load this world";
     if (ImGui::Button((std::string(title) + "###load").c_str(), {-1.0f, 0.0f})) {
         if (asks_load_) events.edit.load_world = world_;
         asks_load_ = !asks_load_;
+        asks_save_ = false;
     }
     ImGui::EndDisabled();
-    ImGui::InputText("name##world",
-                     world_name_.data(),
-                     world_name_.size(),
-                     ImGuiInputTextFlags_CallbackCharFilter,
-                     &allowed_in_names);
+    const std::array<char, 64> before = world_name_;
+    name_field("name##world", world_name_);
+    if (before != world_name_) asks_save_ = false;
     ImGui::BeginDisabled(world_name_[0] == '\0');
     const bool is_known = std::any_of(worlds->worlds.begin(),
                                       worlds->worlds.end(),
                                       [&](const auto& w) { return w.name == world_name_.data(); });
-    if (ImGui::Button(is_known ? "save over it###save" : "save the world###save", {-1.0f, 0.0f}))
-        events.edit.save_world = world_name_.data();
+    // as for loading: a saved world does not come back
+    const char* save_title = !is_known    ? "save the world###save"
+                             : asks_save_ ? "replace the saved world?###save"
+                                          : "save over it###save";
+    if (ImGui::Button(save_title, {-1.0f, 0.0f})) {
+        asks_save_ = is_known && !asks_save_;
+        asks_load_ = false;
+        if (!asks_save_) events.edit.save_world = world_name_.data();
+    }
     ImGui::EndDisabled();
+    show_lowest();
 }
 
 void WorldPanel::draw(const HudContent& content, SurfaceEvents& events) {
     const bool is_open = ImGui::CollapsingHeader("models");
     if (is_open) draw_models(content, events);
     was_models_open_ = is_open;
-    if (ImGui::CollapsingHeader("saved worlds")) draw_worlds(content, events);
+    const bool are_worlds_open = ImGui::CollapsingHeader("saved worlds");
+    if (are_worlds_open && !were_worlds_open_) frames_to_show_ = kFramesToShow;
+    were_worlds_open_ = are_worlds_open;
+    if (are_worlds_open) draw_worlds(content, events);
 }
 
 }  // namespace atrium::viewer

@@ -35,6 +35,17 @@ TEST(Spelling, FindsNamesWithoutTheirTableOrInAnother) {
     EXPECT_THAT(names_meant_by("view.widht", kKeys), ElementsAre("view.width"));
 }
 
+TEST(Spelling, DoesNotTakeAShortNameForAnotherWord) {
+    const std::vector<std::string> keys{"display.tile", "process.nice", "video.file", "a.speed"};
+    EXPECT_THAT(names_meant_by("view.size", keys), IsEmpty());
+    EXPECT_THAT(names_meant_by("view.fil", keys), ElementsAre("video.file"));
+}
+
+TEST(Spelling, TakesASizeForWidthAndHeight) {
+    EXPECT_THAT(names_meant_by("view.size", {"view.height", "view.width", "video.width"}),
+                ElementsAre("view.width", "view.height"));
+}
+
 TEST(Spelling, FindsNamesWithoutTheirUnit) {
     EXPECT_THAT(names_meant_by("capture.rate", kKeys), ElementsAre("capture.rate_hz"));
     EXPECT_THAT(names_meant_by("rate", kKeys), ElementsAre("capture.rate_hz"));

@@ -92,7 +92,7 @@ TEST(WorldConfig, ErrorsNameFileLineKeyAndWhatIsAllowed) {
         {"[[object]]\nname = \"a\"\nshape = \"box\"\nmass_kg = 1\n", {"size_m", "missing"}},
         {"[[object]]\nname = \"a\"\nshape = \"box\"\nsize_m = [1, 1, 1]\n", {"mass_kg", "missing"}},
         {"[[object]]\nname = \"a\"\nshape = \"sphere\"\ndiameter_m = 0.1\nmass_kg = 900\n",
-         {"world.toml:5", "mass_kg", "density"}},
+         {"world.toml:5", "mass_kg", "0.000524 to 15.7 kg (a density of 1 to 30000", "0 for"}},
         {"[[object]]\nname = \"a\"\nshape = \"sphere\"\ndiameter_m = 50\nmass_kg = 900\n",
          {"world.toml:4", "diameter_m", "20 m"}},
         {"[[site]]\nname = \"alice\"\n", {"position_m", "missing"}},

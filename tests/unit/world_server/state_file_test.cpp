@@ -314,8 +314,13 @@ TEST(SavedScene, ReturnsWithItsEdits) {
     change.target = 2;
     change.object = to_message(config.objects[1]);
     change.object.name = "heavy";
-    change.object.mass_kg = 12.5;
     change.object.size_m.setConstant(0.5);
+    change.object.mass_kg = 9000.0;
+    const auto refused = scene->edit(change, nullptr);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message.find("mass_kg must give a mass of 0.0655 to 1960 kg"), 0U)
+        << refused.error().message;
+    change.object.mass_kg = 12.5;
     ASSERT_TRUE(scene->edit(change, nullptr));
     bus::SceneEdit place = change;
     place.kind = bus::EditKind::kPlace;

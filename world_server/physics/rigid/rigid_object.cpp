@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 namespace atrium::physics {
 namespace {
@@ -16,6 +17,21 @@ constexpr double kMinPartM = 0.004;  // smallest extent of a part
 constexpr double kMaxMassKg = 10'000.0;
 constexpr double kMinDensity = 1.0;       // [kg/m^3] about a balloon
 constexpr double kMaxDensity = 30'000.0;  // [kg/m^3] denser than any metal in use
+
+// To three digits, up or down.
+double rounded(double value, double (*round)(double)) {
+    const double step = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+    return round(value / step) * step;
+}
+
+std::string allowed_masses(double volume_m3) {
+    const double least_kg = rounded(kMinDensity * volume_m3, &std::ceil);
+    const double most_kg = std::min(kMaxMassKg, rounded(kMaxDensity * volume_m3, &std::floor));
+    std::ostringstream text;
+    text << "must give a mass of " << least_kg << " to " << most_kg << " kg (a density of "
+         << kMinDensity << " to " << kMaxDensity << " kg/m^3), or 0 for fixed";
+    return text.str();
+}
 
 bool has_parts(ObjectShape shape) {
     return shape == ObjectShape::kConvex || shape == ObjectShape::kCompound;
@@ -130,7 +146,7 @@ std::optional<ObjectProblem> find_problem(const RigidObject& object) {
         return ObjectProblem{"mass_kg", "must be 0 for a plane"};
     const double density = object.mass_kg / volume_m3(object);
     if (!(density >= kMinDensity && density <= kMaxDensity)) {
-        return ObjectProblem{"mass_kg", "must give a density of 1 to 30000 kg/m^3, or be 0"};
+        return ObjectProblem{"mass_kg", allowed_masses(volume_m3(object))};
     }
     return std::nullopt;
 }

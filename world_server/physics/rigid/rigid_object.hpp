@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -55,7 +56,7 @@ double volume_m3(const RigidObject& object);
 /// Names an invalid field of an object and its allowed values.
 struct ObjectProblem {
     std::string_view field;
-    std::string_view allowed;
+    std::string allowed;
 };
 
 /// Returns the first problem: a number that is not finite, a size outside 1 cm .. 20 m or wrong for

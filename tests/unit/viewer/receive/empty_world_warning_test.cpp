@@ -20,6 +20,7 @@ TEST(EmptyWorldWarning, WarnsOnceIfNobodyCame) {
     EXPECT_TRUE(
         empty_world.update({viewer}, kPlace, kEmptySince + EmptyWorldWarning::kPatience, false));
     EXPECT_FALSE(empty_world.update({viewer}, kPlace, kEmptySince + 60s, true)) << "once";
+    EXPECT_FALSE(empty_world.has_met_others()) << "such a world is not worth remembering";
 
     EmptyWorldWarning short_run;
     EXPECT_TRUE(short_run.update({viewer}, kPlace, kEmptySince, true));
@@ -30,6 +31,7 @@ TEST(EmptyWorldWarning, WarnsOnceIfNobodyCame) {
     EXPECT_FALSE(in_company.update({viewer, site}, kPlace, kEmptySince, false));
     EXPECT_FALSE(in_company.update({viewer}, kPlace, kEmptySince + 60s, true))
         << "people may leave again";
+    EXPECT_TRUE(in_company.has_met_others());
 }
 
 }  // namespace

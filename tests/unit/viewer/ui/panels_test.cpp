@@ -1,5 +1,6 @@
 #include "viewer/start/start_screen.hpp"
 #include "viewer/ui/curve.hpp"
+#include "viewer/ui/free_place.hpp"
 #include "viewer/ui/keys.hpp"
 #include "viewer/ui/site_lines.hpp"
 #include "viewer/ui/ui_scale.hpp"
@@ -13,6 +14,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 // What the panels show, without a window.
 namespace atrium::viewer {
@@ -89,13 +91,28 @@ TEST(Keys, TheManualListsThemAll) {
 }
 
 TEST(UiScale, GrowsWithThePictureAndTheDisplay) {
-    EXPECT_EQ(ui_scale_of(0.0, 360, 1.0), 1.0) << "smaller letters cannot be read";
-    EXPECT_EQ(ui_scale_of(0.0, 720, 1.0), 1.0);
-    EXPECT_EQ(ui_scale_of(0.0, 1080, 1.0), 1.5);
-    EXPECT_EQ(ui_scale_of(0.0, 2160, 1.0), 3.0);
-    EXPECT_EQ(ui_scale_of(0.0, 720, 2.0), 2.0);
-    EXPECT_EQ(ui_scale_of(0.0, 2160, 2.0), 3.0);
-    EXPECT_EQ(ui_scale_of(1.25, 2160, 2.0), 1.25) << "as the user asks";
+    EXPECT_EQ(ui_scale_of(0.0, {640, 360}, 1.0), 1.0) << "smaller letters cannot be read";
+    EXPECT_EQ(ui_scale_of(0.0, {1280, 720}, 1.0), 1.0);
+    EXPECT_EQ(ui_scale_of(0.0, {1920, 1080}, 1.0), 1.5);
+    EXPECT_EQ(ui_scale_of(0.0, {3840, 2160}, 1.0), 3.0);
+    EXPECT_EQ(ui_scale_of(0.0, {1280, 720}, 2.0), 2.0);
+    EXPECT_EQ(ui_scale_of(0.0, {3840, 2160}, 2.0), 3.0);
+    EXPECT_EQ(ui_scale_of(1.25, {3840, 2160}, 2.0), 1.25) << "as the user asks";
+    EXPECT_EQ(ui_scale_of(0.0, {500, 900}, 1.0), 1.0) << "a narrow window";
+}
+
+TEST(Panels, LieBesideEachOtherWhereThereIsRoom) {
+    const std::vector<PanelBox> taken{{10, 10, 330, 80}, {10, 400, 368, 310}, {388, 560, 420, 150}};
+    const PanelBox list{868, 580, 400, 130};
+    const PanelBox at_once = free_place(list, taken, 1280, 720, 10);
+    EXPECT_EQ(at_once.left, list.left);
+    EXPECT_EQ(at_once.top, list.top) << "it covers nothing there";
+    const PanelBox wide{670, 580, 600, 130};
+    const PanelBox moved = free_place(wide, taken, 1280, 720, 10);
+    EXPECT_EQ(moved.left, wide.left);
+    EXPECT_EQ(moved.top, 560 - 10 - 130) << "above the list that it would cover";
+    const PanelBox squeezed = free_place({100, 100, 250, 150}, {{10, 10, 280, 100}}, 300, 200, 10);
+    EXPECT_EQ(squeezed.top, 40) << "within the picture, covering as little as it can";
 }
 
 TEST(Curve, HasAScaleOfRoundNumbers) {

@@ -80,6 +80,32 @@ TEST(StatusLines, WarnWhileTheWorldIsGone) {
     EXPECT_TRUE(lines.has_world());
 }
 
+// The objects of a killed server vanish before its silence says so.
+TEST(StatusLines, WarnAtOnceIfTheObjectsLoseTheirWriter) {
+    using std::chrono::milliseconds;
+    StatusLines lines;
+    lines.watch_world(kFirstLine, kFirstLine);
+    const auto lost = kFirstLine + milliseconds(300);
+    EXPECT_TRUE(lines.watch_world(lost, kFirstLine, lost));
+    EXPECT_FALSE(lines.has_world());
+    EXPECT_THAT(texts(lines.warnings()),
+                testing::ElementsAre("no world server: objects stand still or are gone"));
+    EXPECT_FALSE(lines.watch_world(lost + seconds(2), kFirstLine, lost));
+    const auto back = lost + seconds(3);
+    EXPECT_TRUE(lines.watch_world(back, back, lost));
+    EXPECT_TRUE(lines.warnings().empty());
+}
+
+TEST(StatusLines, NameTheWorldThatIsMeantInsteadOfAnEmptyOne) {
+    StatusLines lines;
+    lines.set_worlds_meant("evening");
+    lines.watch_world(kFirstLine);
+    lines.watch_world(kFirstLine + seconds(5));
+    EXPECT_THAT(texts(lines.warnings()),
+                testing::ElementsAre("no world server in this world: no objects. Did you mean "
+                                     "evening? Backspace: other worlds"));
+}
+
 TEST(StatusLines, WarnOfLossesSinceThePreviousReport) {
     StatusLines lines;
     lines.add("alice", site_status(100), kFirstLine);

@@ -1,0 +1,74 @@
+#include "viewer/control/user_control.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// A user who presses keys in a world without people.
+class UserKeys : public testing::Test {
+protected:
+    UserKeys() {
+        bus::SceneObject ball;
+        ball.object = 3;
+        ball.name = "ball";
+        objects_[3] = ball;
+    }
+    UserControl::Shown shown() {
+        const auto none = [](const Ray&) { return std::optional<Hit>(); };
+        return {{}, none, {}, objects_, none, states_, {}};
+    }
+    std::vector<std::string> texts(const SurfaceEvents& events) {
+        control_.move(events, shown(), now_);
+        control_.edit(events, shown(), {}, now_);
+        return control_.take({}, now_);
+    }
+
+    SceneEditor::Objects objects_;
+    std::vector<bus::ObjectState> states_;
+    UserControl::Clock::time_point now_{};
+    UserControl control_{renderer::ViewCamera{}, "eve", false};
+};
+
+TEST_F(UserKeys, AnswerWhenTheyHaveNoEffect) {
+    EXPECT_THAT(texts({}), IsEmpty());
+    SurfaceEvents events;
+    events.person = 5;
+    EXPECT_THAT(texts(events), ElementsAre("no person 5"));
+    EXPECT_THAT(texts({}), IsEmpty()) << "once";
+    events = {};
+    events.follow = true;
+    EXPECT_THAT(texts(events), ElementsAre("nobody is here to follow"));
+    events = {};
+    events.remove_pointed = true;
+    EXPECT_THAT(texts(events),
+                ElementsAre("nothing to remove here: select an object, or point at one"));
+}
+
+TEST_F(UserKeys, KeepAnObjectSelectedUntilItIsReallyRemoved) {
+    EditNews news;
+    news.saved_worlds.emplace();  // the server knows edits
+    control_.take(news, now_);
+    SurfaceEvents events;
+    events.edit.select = 3;
+    EXPECT_THAT(texts(events), IsEmpty());
+    events = {};
+    events.remove_pointed = true;
+    events.is_over_panel = true;
+    EXPECT_THAT(texts(events), IsEmpty());
+    EXPECT_EQ(control_.take_edits().size(), 1U);
+    EXPECT_TRUE(control_.edit_view(shown()).selected) << "it may be refused";
+    objects_.clear();
+    EXPECT_FALSE(control_.edit_view(shown()).selected);
+}
+
+}  // namespace
+}  // namespace atrium::viewer

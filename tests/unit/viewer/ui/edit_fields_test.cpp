@@ -1,0 +1,152 @@
+#include "tests/support/comes_true.hpp"
+#include "tests/unit/viewer/ui/window_fixture.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <memory>
+#include <optional>
+
+// Fields of the panels: keys, typing, dragging and questions.
+namespace atrium::viewer {
+namespace {
+
+using test_support::comes_true;
+
+constexpr int kColumn_px = 120;  // of the fields of the object's panel
+
+class ObjectPanel : public ViewerWindow {
+protected:
+    void SetUp() override {
+        ViewerWindow::SetUp();
+        if (IsSkipped() || HasFatalFailure()) return;
+        figures_.edit.is_supported = true;
+        bus::SceneObject& object = figures_.edit.selected.emplace();
+        object.object = 7;
+        object.name = "box";
+        object.mass_kg = 0.05;
+        object.size_m = {0.3, 0.2, 0.1};
+        for (int i = 0; i < 5; ++i) draw();
+    }
+
+    void click_field(ImGuiID field, int x = kColumn_px) {
+        ASSERT_TRUE(point_at_field(field, x));
+        hold(true);
+        hold(false);
+    }
+    SurfaceEvents type(std::initializer_list<const char*> keys) {
+        SurfaceEvents last;
+        for (const char* key : keys) {
+            const SurfaceEvents events = after(key);
+            EXPECT_FALSE(events.names || events.debug) << key;
+            last = events;
+        }
+        return last;
+    }
+};
+
+TEST_F(ObjectPanel, LettersDoNothingWhileTheColourPickerIsOpen) {
+    const ImGuiID colour = id_of("edit", "colour");
+    click_field(ImHashStr("##ColorButton", 0, colour), 24);
+    const auto has_picker = [] {
+        return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
+    };
+    ASSERT_TRUE(has_picker());
+    for (const char* key : {"n", "b", "Delete", "2"}) {
+        const SurfaceEvents events = after(key);
+        EXPECT_FALSE(events.names || events.debug || events.remove_pointed) << key;
+        EXPECT_EQ(events.person, 0U);
+    }
+    press("Escape");
+    EXPECT_TRUE(comes_true([&] {
+        draw();
+        return !has_picker();
+    }));
+    EXPECT_TRUE(after("n").names);
+}
+
+TEST_F(ObjectPanel, LettersDoNothingWhileTheMouseHoldsAField) {
+    ASSERT_TRUE(point_at_field(id_of("edit", "mass"), kColumn_px));
+    EXPECT_TRUE(after("n").names) << "the mouse over a panel takes no keys";
+    const SurfaceEvents deleted = after("Delete");
+    EXPECT_TRUE(deleted.remove_pointed) << "the selected object";
+    EXPECT_TRUE(deleted.is_over_panel) << "not the object behind the panel";
+    hold(true);
+    EXPECT_FALSE(after("n").names);
+    hold(false);
+}
+
+TEST_F(ObjectPanel, AClickTypesANumberAndACommaIsAPoint) {
+    click_field(id_of("edit", "mass"));
+    const SurfaceEvents events = type({"1", "2", "comma", "5", "Return"});
+    ASSERT_TRUE(events.edit.change);
+    EXPECT_EQ(events.edit.change->mass_kg, 12.5);
+}
+
+TEST_F(ObjectPanel, RefusesANumberBeyondTheRangeWithTheRange) {
+    click_field(id_of("edit", "mass"));
+    const SurfaceEvents events = type({"2", "0", "0", "0", "0", "Return"});
+    EXPECT_FALSE(events.edit.change);
+    EXPECT_EQ(events.edit.hint, "mass must be 0 kg to 10000 kg, not 20000");
+}
+
+TEST_F(ObjectPanel, DragsASmallMassBySmallSteps) {
+    ASSERT_TRUE(point_at_field(id_of("edit", "mass"), kColumn_px));
+    hold(true);
+    std::optional<bus::SceneObject> changed;
+    for (int moved = 20; moved <= 60; moved += 20) {
+        display_->point_at(kTitle, at_[0] + moved, at_[1]);
+        for (int i = 0; i < 3; ++i) draw();
+    }
+    display_->hold_button(kTitle, false);
+    for (int i = 0; i < 5; ++i) {
+        const SurfaceEvents events = draw();
+        if (events.edit.change) changed = events.edit.change;
+    }
+    ASSERT_TRUE(changed);
+    EXPECT_GT(changed->mass_kg, 0.06);
+    EXPECT_LT(changed->mass_kg, 0.15) << "1 % per pixel";
+}
+
+TEST_F(ObjectPanel, NamesGetAnUnderscoreForOtherCharacters) {
+    click_field(id_of("edit", "name"));
+    for (int i = 0; i < 3; ++i) after("BackSpace");
+    const SurfaceEvents events = type({"a", "space", "b", "comma", "Return"});
+    ASSERT_TRUE(events.edit.change);
+    EXPECT_EQ(events.edit.change->name, "a_b_");
+}
+
+TEST_F(ViewerWindow, SavingOverAWorldAsksAgainAtTheSamePlace) {
+    display_->resize(kTitle, {640, 780});
+    ASSERT_TRUE(comes_true([&] {
+        draw();
+        return window_->size() == Size{640, 780};
+    }));
+    auto worlds = std::make_shared<bus::SavedWorlds>();
+    worlds->is_on = true;
+    worlds->worlds.emplace_back().name = "evening";
+    figures_.edit.worlds = worlds;
+    after("m");
+    constexpr int kMenu_px = 640 - 10 - 290 + 100;
+    const auto click_on = [&](const char* field) {
+        EXPECT_TRUE(point_at_field(id_of("menu", field), kMenu_px)) << field;
+        return click(at_[0], at_[1]);
+    };
+    click_on("saved worlds");
+    click_on("name##world");
+    for (const char* key : {"e", "v", "e", "n", "i", "n", "g", "Return"}) after(key);
+    EXPECT_EQ(click_on("###save").edit.save_world, "") << "it asks first";
+    EXPECT_EQ(click(at_[0], at_[1]).edit.save_world, "evening");
+}
+
+TEST_F(ViewerWindow, AnyOtherKeyTakesAQuestionBack) {
+    press("Escape");
+    for (int i = 0; i < 5; ++i) EXPECT_FALSE(draw().close);
+    EXPECT_TRUE(after("n").names);
+    press("Escape");
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().close) << "it asks anew";
+}
+
+}  // namespace
+}  // namespace atrium::viewer
