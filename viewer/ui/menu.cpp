@@ -25,8 +25,8 @@ constexpr std::array<ShapeChoice, 4> kShapes{{{"ball", bus::Shape::kSphere},
 constexpr double kWidth_px = 290.0;  // at scale 1
 constexpr double kListHeight_px = 100.0;
 constexpr float kMessageLines = 3.0f;
-constexpr NumberRange kSizes{0.03f, 2.0f, "%.2f m", 0.005f};
-constexpr NumberRange kMasses{0.05f, 50.0f, "%.2f kg"};
+constexpr NumberRange kNewSizes{0.03f, 2.0f, "%.2f m", 0.005f};
+constexpr NumberRange kNewMasses{0.05f, 50.0f, "%.2f kg"};
 
 }  // namespace
 
@@ -47,13 +47,13 @@ void Menu::draw_new_object(SurfaceEvents& events) {
             events.edit.hint = std::move(problem);
     };
     if (shape == bus::Shape::kBox) {
-        number("length", size_m_[0], kSizes);
-        number("width", size_m_[1], kSizes);
+        number("length", size_m_[0], kNewSizes);
+        number("width", size_m_[1], kNewSizes);
     } else {
-        number("diameter", size_m_[0], kSizes);
+        number("diameter", size_m_[0], kNewSizes);
     }
-    if (shape != bus::Shape::kSphere) number("height", size_m_[2], kSizes);
-    number("mass", mass_kg_, kMasses);
+    if (shape != bus::Shape::kSphere) number("height", size_m_[2], kNewSizes);
+    number("mass", mass_kg_, kNewMasses);
     ImGui::ColorEdit3("colour", colour_.data(), ImGuiColorEditFlags_NoInputs);
     name_field("name", name_);
     if (!ImGui::Button("add it before the eye", {-1.0f, 0.0f})) return;
