@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -114,8 +115,9 @@ std::string say_unknown(const CLI::App& cli) {
     const std::string& first = unknown.front();
     const auto begin = first.find_first_not_of('-');
     if (begin == 0) {
-        const bool is_plain_word = first.find_first_of("./=") == std::string::npos;
-        if (is_plain_word && cli.get_option_no_throw("--world") != nullptr)
+        const bool is_name = std::isalpha(static_cast<unsigned char>(first.front())) != 0 &&
+                             first.find_first_of("./=") == std::string::npos;
+        if (is_name && cli.get_option_no_throw("--world") != nullptr)
             return text + fmt::format("; a world is given as --world {}", first);
         return text + (first.ends_with(".toml")
                            ? fmt::format("; a file is given as --config {}", first)

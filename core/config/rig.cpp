@@ -117,24 +117,27 @@ geometry::Aabb default_bounds(const std::vector<geometry::CalibratedCamera>& cam
     return box;
 }
 
-// The likely cause if `path` cannot be a rig or recording: it is of another tool.
-std::optional<std::string> explain_foreign(const std::filesystem::path& path) {
+// The error if `path` cannot be a rig or recording, because it is of another tool.
+std::optional<Error> find_foreign(const std::filesystem::path& path) {
     std::error_code failure;
     if (std::filesystem::is_directory(path, failure) &&
         !std::filesystem::exists(path / "rig.toml", failure)) {
-        return fmt::format(
-            "{}: this folder has no rig.toml, so it is no recording of Atrium; pictures of another "
-            "tool become one with `calibrate import CALIBRATION --recording {} -o NEW_FOLDER`",
-            path.string(),
-            path.string());
+        return Error{
+            ErrorKind::kNotFound,
+            fmt::format(
+                "{}: this folder has no rig.toml, so it is no recording of Atrium; pictures of "
+                "another tool become one with `calibrate import CALIBRATION --recording {} -o "
+                "NEW_FOLDER`",
+                path.string(),
+                path.string())};
     }
     constexpr std::array kForeign{".yml", ".yaml", ".json", ".xml", ".txt", ".xcp"};
     if (std::ranges::find(kForeign, path.extension()) == kForeign.end()) return std::nullopt;
-    return fmt::format(
-        "{}: a rig is a .toml file; the calibration of another tool becomes one with `calibrate "
-        "import {} -o rig.toml`",
-        path.string(),
-        path.string());
+    return Error{ErrorKind::kConfiguration,
+                 fmt::format("{}: a rig is a .toml file; the calibration of another tool becomes "
+                             "one with `calibrate import {} -o rig.toml`",
+                             path.string(),
+                             path.string())};
 }
 
 }  // namespace
@@ -147,8 +150,7 @@ bool is_valid_name(const std::string& name) {
 }
 
 Expected<Rig> load_rig(const std::filesystem::path& path) {
-    if (const auto foreign = explain_foreign(path))
-        return make_error(ErrorKind::kConfiguration, *foreign);
+    if (auto foreign = find_foreign(path)) return tl::unexpected(std::move(*foreign));
     std::error_code failure;
     const bool is_folder = std::filesystem::is_directory(path, failure);
     auto reader = TableReader::load(is_folder ? path / "rig.toml" : path);
