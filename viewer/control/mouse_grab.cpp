@@ -18,6 +18,11 @@ Eigen::Vector3d forward_of(const renderer::ViewCamera& camera) {
     return (camera.target_m - camera.position_m).normalized();
 }
 
+Ray in_frame(const Ray& ray_world, const geometry::RigidTransform& world_from_frame) {
+    const geometry::RigidTransform frame_from_world = world_from_frame.inverse();
+    return {frame_from_world * ray_world.origin, frame_from_world.rotation * ray_world.direction};
+}
+
 // Distance at which the ray enters. Empty if it misses or starts inside.
 std::optional<double> enters_box(const Ray& ray, const Eigen::Vector3d& half_m) {
     double enter = 0.0;
@@ -93,13 +98,29 @@ Ray ray_through(const renderer::ViewCamera& camera, const Pointer& pointer) {
 std::optional<Hit> hit(const Ray& ray,
                        const bus::SceneObject& object,
                        const geometry::RigidTransform& world_from_object) {
-    const geometry::RigidTransform object_from_world = world_from_object.inverse();
-    const Ray local{object_from_world * ray.origin, object_from_world.rotation * ray.direction};
+    const Ray local = in_frame(ray, world_from_object);
     const auto distance = object.shape == bus::Shape::kSphere
                               ? enters_ball(local, 0.5 * object.size_m.x())
                               : enters_box(local, 0.5 * object.size_m);
     if (!distance) return std::nullopt;
     return Hit{object.object, *distance, local.origin + *distance * local.direction};
+}
+
+std::optional<Hit> hit(const Ray& ray,
+                       std::uint32_t object,
+                       const renderer::ShapeMesh& mesh_object,
+                       const geometry::RigidTransform& world_from_object) {
+    const Ray local = in_frame(ray, world_from_object);
+    const auto at = [&](std::size_t i) {
+        return mesh_object.corners[mesh_object.indices[i]].position_object.cast<double>().eval();
+    };
+    std::optional<double> nearest;
+    for (std::size_t i = 0; i + 2 < mesh_object.indices.size(); i += 3) {
+        const auto distance = meets_triangle(local, at(i), at(i + 1), at(i + 2));
+        if (distance && (!nearest || *distance < *nearest)) nearest = distance;
+    }
+    if (!nearest) return std::nullopt;
+    return Hit{object, *nearest, local.origin + *nearest * local.direction};
 }
 
 std::optional<Hit> hit(const Ray& ray,

@@ -1,11 +1,13 @@
 #pragma once
 
 #include "core/bus/messages.hpp"
+#include "viewer/renderer/drawing/shape_mesh.hpp"
 #include "viewer/renderer/drawing/view_camera.hpp"
 
 #include <Eigen/Core>
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -38,9 +40,15 @@ struct Hit {
     Eigen::Vector3d point_object = Eigen::Vector3d::Zero();
 };
 
-/// Intersects the ray with the object's box, or ball. Empty if it misses.
+/// Intersects the ray with the object's ball, or box around its origin. Empty if it misses.
 std::optional<Hit> hit(const Ray& ray,
                        const bus::SceneObject& object,
+                       const geometry::RigidTransform& world_from_object);
+
+/// Intersects the ray with the drawn surface of an object with a model, from both sides.
+std::optional<Hit> hit(const Ray& ray,
+                       std::uint32_t object,
+                       const renderer::ShapeMesh& mesh_object,
                        const geometry::RigidTransform& world_from_object);
 
 /// Intersects the ray with a soft object whose nodes are at `nodes` [m, world]: its triangles from

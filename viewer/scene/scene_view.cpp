@@ -179,7 +179,11 @@ std::optional<Hit> SceneView::pick(const Ray& ray, Pickable which) const {
                                      ? object->second.mass_kg > 0.0
                                      : object->second.shape != bus::Shape::kPlane;
         if (!is_pickable) continue;
-        consider(hit(ray, object->second, state.world_from_object));
+        // what is drawn: the origin of a model may be anywhere
+        if (const auto mesh = mesh_of(object->second))
+            consider(hit(ray, state.object, *mesh, state.world_from_object));
+        else
+            consider(hit(ray, object->second, state.world_from_object));
     }
     for (const auto& [id, body] : soft_bodies_) {
         const auto nodes = nodes_.find(id);

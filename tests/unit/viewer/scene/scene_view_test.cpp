@@ -102,5 +102,34 @@ TEST_F(SceneViewTest, GivesObjectsTheirModelsOnceLoaded) {
     EXPECT_EQ(renderer_->num_objects(), 1U);
 }
 
+// The origin of a model is often at its foot or a corner.
+TEST_F(SceneViewTest, PicksTheDrawnModelWhereverItsOriginIs) {
+    bus::SceneObject thing = ball(7);
+    thing.shape = bus::Shape::kConvex;
+    thing.model = "tetra.obj";
+    thing.size_m = {1.0, 1.0, 1.0};
+    SceneChanges changes;
+    changes.objects[7] = thing;
+    bus::SceneState state;
+    state.time = Timestamp{1'000'000'000'000};
+    state.objects.resize(1);
+    state.objects[0].object = 7;
+    state.objects[0].world_from_object.translation = {2.0, 0.0, 0.0};
+    changes.states.emplace_back(state, SceneTimeline::Clock::now());
+    update(std::move(changes));
+    const auto picked_from_above = [&](double x, double y) {
+        return view_.pick({{x, y, 5.0}, {0.0, 0.0, -1.0}});
+    };
+    while (!view_.mesh_of(thing)) {
+        update({});
+        std::this_thread::yield();
+    }
+    const auto hit = picked_from_above(2.6, 0.2);
+    ASSERT_TRUE(hit) << "outside of a box around the origin";
+    EXPECT_EQ(hit->object, 7U);
+    EXPECT_TRUE(hit->point_object.isApprox(Eigen::Vector3d(0.6, 0.2, 0.2), 1e-6));
+    EXPECT_FALSE(picked_from_above(1.7, -0.3)) << "in a box around the origin";
+}
+
 }  // namespace
 }  // namespace atrium::viewer
