@@ -122,7 +122,7 @@ void add_picture_options(CLI::App& command, ImportOptions& options) {
         .add_option("--background",
                     options.background,
                     "folder with videos or pictures of the empty room; default: those below "
-                    "--recording with background, empty or bg in their names")
+                    "--recording with background, bg, empty or plate in their names")
         ->needs(recording);
     command
         .add_option("--masks",

@@ -24,6 +24,18 @@ std::optional<Eigen::Vector3d> way_to_nearest(const std::string& from_name,
     return nearest;
 }
 
+// The same to the nearest thing, level. Things that the person holds or stands on do not count.
+std::optional<Eigen::Vector3d> way_to_nearest_thing(const Eigen::Vector3d& from,
+                                                    std::span<const Eigen::Vector3d> things) {
+    constexpr double kWithinReachM = 0.4;
+    std::optional<Eigen::Vector3d> nearest;
+    for (const Eigen::Vector3d& thing : things) {
+        const Eigen::Vector3d way(thing.x() - from.x(), thing.y() - from.y(), 0.0);
+        if (way.norm() > kWithinReachM && (!nearest || way.norm() < nearest->norm())) nearest = way;
+    }
+    return nearest;
+}
+
 }  // namespace
 
 PersonPlace place_of(std::span<const Eigen::Vector3f> vertices) {
@@ -63,7 +75,9 @@ void FollowCamera::toggle_follow(const renderer::ViewCamera& camera, const Place
     }
 }
 
-void FollowCamera::toggle_first_person(std::size_t number, const Places& places) {
+void FollowCamera::toggle_first_person(std::size_t number,
+                                       const Places& places,
+                                       std::span<const Eigen::Vector3d> things) {
     const std::string before = is_first_person() ? name_ : "";
     drop();
     at_.reset();
@@ -73,6 +87,7 @@ void FollowCamera::toggle_first_person(std::size_t number, const Places& places)
     name_ = chosen->first;
     is_inside_ = true;
     returns_ = false;  // into other eyes
+    to_thing_ = way_to_nearest_thing(chosen->second.eyes, things);
 }
 
 void FollowCamera::drop() {
@@ -97,7 +112,8 @@ renderer::ViewCamera FollowCamera::update(renderer::ViewCamera camera,
         if (!before_) before_ = camera;
         // look horizontally
         Eigen::Vector3d ahead =
-            way_to_nearest(name_, wanted, places).value_or(camera.target_m - camera.position_m);
+            way_to_nearest(name_, wanted, places)
+                .value_or(to_thing_.value_or(camera.target_m - camera.position_m));
         ahead.z() = 0.0;
         if (ahead.norm() < 1e-6) ahead = Eigen::Vector3d::UnitY();
         camera.position_m = wanted;

@@ -27,7 +27,7 @@ PersonPlace place_of(std::span<const Eigen::Vector3f> vertices);
 
 /// Moves the viewpoint with a person: follows the person, or looks through the person's eyes. A
 /// hull does not show where the person looks, so the view begins towards the nearest other person,
-/// and the mouse chooses the direction.
+/// else the nearest thing, and the mouse chooses the direction.
 class FollowCamera {
 public:
     using Clock = std::chrono::steady_clock;
@@ -37,8 +37,11 @@ public:
     void toggle_follow(const renderer::ViewCamera& camera, const Places& places);
     /// Looks through the eyes of person `number`, counted from 1 in the order of the names. The
     /// same number again, or a number without a person, leaves the person: the next `update`
-    /// returns to the viewpoint before the first person was entered.
-    void toggle_first_person(std::size_t number, const Places& places);
+    /// returns to the viewpoint before the first person was entered. `things`: where to look if the
+    /// person is alone [m, world].
+    void toggle_first_person(std::size_t number,
+                             const Places& places,
+                             std::span<const Eigen::Vector3d> things = {});
     /// Like `toggle_first_person` with the same number. Does nothing outside of eyes.
     void leave_eyes() {
         if (is_first_person()) toggle_first_person(0, {});
@@ -63,6 +66,7 @@ private:
 
     std::string name_;
     bool is_inside_ = false;
+    std::optional<Eigen::Vector3d> to_thing_;     // from the eyes, at the moment of entering
     std::optional<renderer::ViewCamera> before_;  // the camera outside, while in the eyes
     bool returns_ = false;                        // the next update returns to `before_`
     std::optional<Eigen::Vector3d> at_;           // smoothed position that the camera follows

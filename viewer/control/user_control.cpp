@@ -26,6 +26,16 @@ void add_to(WorldEditing::Edits& all, WorldEditing::Edits more) {
     std::move(more.begin(), more.end(), std::back_inserter(all));
 }
 
+std::vector<Eigen::Vector3d> movable_things(const UserControl::Shown& shown) {
+    std::vector<Eigen::Vector3d> places;
+    for (const bus::ObjectState& state : shown.states) {
+        const auto object = shown.objects.find(state.object);
+        if (object != shown.objects.end() && object->second.mass_kg > 0.0)
+            places.push_back(state.world_from_object.translation);
+    }
+    return places;
+}
+
 }  // namespace
 
 WorldEditing::Shown UserControl::edit_shown(const Shown& shown) {
@@ -62,7 +72,7 @@ UserControl::Commands UserControl::move(const SurfaceEvents& events,
     if (events.person > shown.people.size())
         texts_.push_back("no person " + std::to_string(events.person));
     else if (events.person > 0)
-        follow_.toggle_first_person(events.person, shown.people);
+        follow_.toggle_first_person(events.person, shown.people, movable_things(shown));
     if (events.leave_eyes) follow_.leave_eyes();
     if (events.reset_view) follow_.leave();
     if (events.follow || events.person > 0 || events.reset_view || moves(motion)) flight_.stop();

@@ -50,6 +50,36 @@ TEST(Instants, NeedOneNumberInCommon) {
     EXPECT_THAT(found.error().message, HasSubstr("1 to 2 of 'a', 3 of 'b'"));
 }
 
+TEST(Instants, OfEveryTenthPictureFollowEachOther) {
+    std::map<std::string, Shots> frames{{"a", shots_of({1000, 1010, 1020, 1040})},
+                                        {"b", shots_of({1000, 1010, 1030, 1040})}};
+    const Numbering numbering = numbering_of(frames);
+    EXPECT_EQ(numbering.first, 1000U);
+    EXPECT_EQ(numbering.step, 10U);
+    count_by_one(frames, numbering);
+    const auto numbers_of = [&](const Shots& shots) {
+        std::vector<std::size_t> numbers;
+        for (const auto& [number, file] : shots.pictures) numbers.push_back(number);
+        return numbers;
+    };
+    EXPECT_THAT(numbers_of(frames["a"]), testing::ElementsAre(1000, 1001, 1002, 1004));
+    EXPECT_THAT(numbers_of(frames["b"]), testing::ElementsAre(1000, 1001, 1003, 1004));
+    // masks: of the same numbers without the first, of own numbers, and of each picture
+    std::map<std::string, Shots> masks{{"a", shots_of({1010, 1030})}};
+    count_by_one(masks, numbering);
+    EXPECT_THAT(numbers_of(masks["a"]), testing::ElementsAre(1001, 1003));
+    masks = {{"a", shots_of({1, 11, 21})}};
+    count_by_one(masks, numbering);
+    EXPECT_THAT(numbers_of(masks["a"]), testing::ElementsAre(1, 2, 3));
+    masks = {{"a", shots_of({1, 2, 3})}};
+    count_by_one(masks, numbering);
+    EXPECT_THAT(numbers_of(masks["a"]), testing::ElementsAre(1, 2, 3));
+}
+
+TEST(Instants, OfThreePicturesHaveNoPattern) {
+    EXPECT_EQ(numbering_of({{"a", shots_of({3, 10, 17})}}).step, 1U);
+}
+
 TEST(Instants, OfVideosAreNotJudgedByNumbers) {
     Shots video;
     video.is_video = true;

@@ -258,11 +258,32 @@ TEST(Likeness, GoesByNameBeforeNumber) {
     EXPECT_EQ(likeness("cam_01", "cam1", {}), 90);
     EXPECT_EQ(likeness("cam3", "trial3_cam3", all), 80);
     EXPECT_EQ(likeness("cam3", "trial3_cam1", all), 0);
-    EXPECT_EQ(likeness("3", "trial3_cam3", all), 70);
+    EXPECT_EQ(likeness("3", "trial3_cam3", all), 85);
     EXPECT_EQ(likeness("3", "trial3_cam1", all), 0);
     EXPECT_EQ(likeness("Camera2", "trial3_cam2", all), 50);
     EXPECT_EQ(likeness("cam1", "trial3_cam13", all), 0);
     EXPECT_EQ(likeness("23456", "Miqus_1_23456", {"Miqus_1_23456", "Miqus_2_23457"}), 70);
+}
+
+// What the names of all pictures, or of all cameras, have in common does not hide a name in
+// another.
+TEST(Likeness, TellsNamesApartThatContainEachOther) {
+    const std::vector<std::string> plain{"back", "front", "left_back"};
+    const std::vector<std::string> named{"GoPro_back", "GoPro_front", "GoPro_left_back"};
+    const std::vector<std::string> takes{
+        "GoPro_back_take2", "GoPro_front_take2", "GoPro_left_back_take2"};
+    for (const auto& cameras : {plain, named}) {
+        std::vector<Shots> shots;
+        for (const std::string& label : takes) {
+            shots.push_back({label + ".mp4", true, {}, label});
+        }
+        const auto matches = match_shots(cameras, shots);
+        ASSERT_TRUE(matches) << matches.error().message;
+        for (std::size_t i = 0; i < cameras.size(); ++i)
+            EXPECT_EQ(matches->by_camera.at(cameras[i]).label, takes[i]);
+    }
+    const std::vector<std::string> others{"back_0", "front_0", "left_back_0"};
+    EXPECT_EQ(likeness("cam_back", "back_0", others, {"cam_back", "cam_front"}), 85);
 }
 
 }  // namespace

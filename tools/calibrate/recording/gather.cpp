@@ -40,6 +40,7 @@ public:
         if (!found) return tl::unexpected(found.error());
         sort_out(*found);
         if (auto done = gather_frames(); !done) return tl::unexpected(done.error());
+        take_numbering();
         if (auto done = look_at_all(); !done) return tl::unexpected(done.error());
         if (auto done = compare_numbers(); !done) return tl::unexpected(done.error());
         if (auto done = gather_masks(); !done) return tl::unexpected(done.error());
@@ -50,6 +51,7 @@ public:
 private:
     void sort_out(const std::vector<Shots>& found);
     Expected<void> gather_frames();
+    void take_numbering();
     Expected<void> look_at_all();
     Expected<void> compare_numbers();
     void report_truncated(const std::string& camera, const Shots& shots);
@@ -68,6 +70,7 @@ private:
     std::vector<Shots> frames_;
     std::vector<Shots> rooms_;
     std::vector<Shots> masks_;
+    Numbering numbering_;                                           // of the pictures' files
     std::size_t fewest_ = std::numeric_limits<std::size_t>::max();  // pictures of a camera
     Material material_;
 };
@@ -212,6 +215,16 @@ Expected<void> Gatherer::look_at_all() {
     return {};
 }
 
+void Gatherer::take_numbering() {
+    numbering_ = numbering_of(material_.frames);
+    if (numbering_.step < 2) return;
+    count_by_one(material_.frames, numbering_);
+    check(
+        fmt::format("instants: the numbers of the pictures go in steps of {}; they are taken as "
+                    "following each other, and --rate is how many there are per second",
+                    numbering_.step));
+}
+
 // Pictures of one number are one instant; a metaframe needs all cameras.
 Expected<void> Gatherer::compare_numbers() {
     auto instants = compare_instants(material_.frames);
@@ -259,6 +272,7 @@ Expected<void> Gatherer::gather_masks() {
         return {};
     }
     material_.masks = std::move(matches->by_camera);
+    count_by_one(material_.masks, numbering_);
     for (const auto& [camera, shots] : material_.masks)
         report_truncated(camera + "', masks", shots);
     if (auto fitting = check_mask_sizes(material_); !fitting) return fitting;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+#include <numeric>
 #include <set>
 #include <vector>
 
@@ -33,6 +36,38 @@ std::string missing_text(const std::vector<std::size_t>& missing,
 }
 
 }  // namespace
+
+Numbering numbering_of(const std::map<std::string, Shots>& shots) {
+    constexpr std::size_t kFewest = 4;
+    std::set<std::size_t> numbers;
+    for (const auto& [camera, one] : shots)
+        for (const auto& [number, file] : one.pictures) numbers.insert(number);
+    if (numbers.empty()) return {};
+    Numbering result{*numbers.begin(), 1};
+    if (numbers.size() < kFewest) return result;
+    std::size_t step = 0;
+    for (const std::size_t number : numbers) step = std::gcd(step, number - result.first);
+    result.step = step;
+    return result;
+}
+
+void count_by_one(std::map<std::string, Shots>& shots, const Numbering& numbering) {
+    if (numbering.step < 2) return;
+    std::size_t first = std::numeric_limits<std::size_t>::max();
+    for (const auto& [camera, one] : shots)
+        if (!one.pictures.empty()) first = std::min(first, one.pictures.begin()->first);
+    if (first >= numbering.first && (first - numbering.first) % numbering.step == 0)
+        first = numbering.first;
+    for (const auto& [camera, one] : shots)
+        for (const auto& [number, file] : one.pictures)
+            if ((number - first) % numbering.step != 0) return;
+    for (auto& [camera, one] : shots) {
+        std::map<std::size_t, std::filesystem::path> counted;
+        for (const auto& [number, file] : one.pictures)
+            counted[first + (number - first) / numbering.step] = file;
+        one.pictures = std::move(counted);
+    }
+}
 
 Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames) {
     std::set<std::size_t> numbers;

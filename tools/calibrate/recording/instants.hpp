@@ -14,6 +14,19 @@ struct Instants {
     std::string doubt;               // empty if every number is complete
 };
 
+/// How the numbers of a recording count its instants: FIRST, FIRST + step, FIRST + 2 step, ...
+struct Numbering {
+    std::size_t first = 0;
+    std::size_t step = 1;
+};
+/// The numbering of the pictures of all cameras together. Every tenth picture of a film, or names
+/// in milliseconds, make steps above 1. Fewer than four numbers are no pattern.
+Numbering numbering_of(const std::map<std::string, Shots>& shots);
+
+/// Numbers the pictures FIRST, FIRST + 1, ... instead. Those of another numbering with the same
+/// steps, such as masks, from their own first one. Without effect if the steps differ.
+void count_by_one(std::map<std::string, Shots>& shots, const Numbering& numbering);
+
 /// Compares the numbers of the pictures, by camera; videos have none. Error kConfiguration if no
 /// number is common to all.
 Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames);

@@ -30,7 +30,9 @@ const std::set<std::string> kBackgrounds{"background",
                                          "empty",
                                          "emptyroom",
                                          "plate",
+                                         "plates",
                                          "cleanplate",
+                                         "cleanplates",
                                          "static"};
 const std::set<std::string> kMasks{"mask",
                                    "masks",
@@ -111,7 +113,7 @@ Numbered split_number(const std::string& whole) {
     std::string prefix = stem.substr(0, begin);
     while (!prefix.empty() && std::isalnum(static_cast<unsigned char>(prefix.back())) == 0)
         prefix.pop_back();
-    if (digits.empty() || digits.size() > 12) return {whole, 0};
+    if (digits.empty() || digits.size() > 18) return {whole, 0};
     return {prefix, static_cast<std::size_t>(std::stoull(digits))};
 }
 
@@ -249,10 +251,13 @@ Expected<std::vector<Shots>> find_shots(const fs::path& folder) {
 
 int likeness(const std::string& camera,
              const std::string& label,
-             const std::vector<std::string>& others) {
+             const std::vector<std::string>& others,
+             const std::vector<std::string>& cameras) {
     const std::vector<std::string> name = tokens(camera);
     const std::vector<std::string> telling = telling_tokens(label, others);
     int best = 0;
+    // "left" of "cam_left.json" and "left" of "take2_left.mp4"
+    if (!telling.empty() && telling == telling_tokens(camera, cameras)) best = 85;
     for (const std::string& part : parts_of(label)) {
         if (lower(part) == lower(camera)) return 100;
         if (joined(tokens(part)) == joined(name) && !name.empty()) best = std::max(best, 90);
@@ -276,7 +281,7 @@ Expected<Matches> match_shots(const std::vector<std::string>& cameras,
         int best = 0;
         std::vector<const Shots*> fitting;
         for (const Shots& one : shots) {
-            const int like = likeness(camera, one.label, labels);
+            const int like = likeness(camera, one.label, labels, cameras);
             // the number of one picture is that of a frame; and a whole folder goes before it
             if (one.is_alone && like < kByName) continue;
             const int points = 2 * like - (one.is_alone ? 1 : 0);
@@ -292,8 +297,10 @@ Expected<Matches> match_shots(const std::vector<std::string>& cameras,
         const Shots& chosen = *fitting.front();
         if (fitting.size() > 1) {
             return make_error(ErrorKind::kConfiguration,
-                              fmt::format("camera '{}' may be '{}' or '{}'; move other pictures "
-                                          "away, or name the folder of one recording",
+                              fmt::format("camera '{}' may be '{}' or '{}'; name the folder of one "
+                                          "recording, move other pictures away, or give the "
+                                          "pictures the names of the cameras; an empty room is "
+                                          "given with --background",
                                           camera,
                                           chosen.label,
                                           fitting[1]->label));

@@ -31,10 +31,11 @@ struct Shots {
 Expected<std::vector<Shots>> find_shots(const std::filesystem::path& folder);
 
 /// How surely a label is that of a camera: 0 not at all, 50 the same number, 100 the same name.
-/// `others` are all labels: what they have in common says nothing.
+/// `others` are all labels, `cameras` all cameras: what they have in common says nothing.
 int likeness(const std::string& camera,
              const std::string& label,
-             const std::vector<std::string>& others);
+             const std::vector<std::string>& others,
+             const std::vector<std::string>& cameras = {});
 
 struct Matches {
     std::map<std::string, Shots> by_camera;

@@ -74,6 +74,16 @@ TEST(FollowCamera, LooksAheadInTheEyesOfAPersonAlone) {
         << "as the camera looked before";
 }
 
+TEST(FollowCamera, LooksAtTheNearestThingInTheEyesOfAPersonAlone) {
+    FollowCamera follow_camera;
+    const FollowCamera::Places places{{"bob", standing_at(2, 2)}};
+    const std::vector<Eigen::Vector3d> things{{2, 9, 0}, {2, 4, 0.2}, {2.1, 1.8, 1.2}};
+    follow_camera.toggle_first_person(1, places, things);
+    const ViewCamera camera = follow_camera.update(kCamera, places, kFirstMesh);
+    EXPECT_LT((camera.target_m - camera.position_m - Eigen::Vector3d(0, 1, 0)).norm(), 1e-9)
+        << "level, and not at the one within reach";
+}
+
 TEST(FollowCamera, SeesThroughTheEyesOfTheChosenPerson) {
     FollowCamera follow_camera;
     FollowCamera::Places places{{"alice", standing_at(-0.4, 0)}, {"bob", standing_at(2, 2)}};
