@@ -258,7 +258,7 @@ TEST(Likeness, GoesByNameBeforeNumber) {
     EXPECT_EQ(likeness("cam_01", "cam1", {}), 90);
     EXPECT_EQ(likeness("cam3", "trial3_cam3", all), 80);
     EXPECT_EQ(likeness("cam3", "trial3_cam1", all), 0);
-    EXPECT_EQ(likeness("3", "trial3_cam3", all), 85);
+    EXPECT_EQ(likeness("3", "trial3_cam3", all), 70);
     EXPECT_EQ(likeness("3", "trial3_cam1", all), 0);
     EXPECT_EQ(likeness("Camera2", "trial3_cam2", all), 50);
     EXPECT_EQ(likeness("cam1", "trial3_cam13", all), 0);

@@ -257,7 +257,8 @@ int likeness(const std::string& camera,
     const std::vector<std::string> telling = telling_tokens(label, others);
     int best = 0;
     // "left" of "cam_left.json" and "left" of "take2_left.mp4"
-    if (!telling.empty() && telling == telling_tokens(camera, cameras)) best = 85;
+    if (!cameras.empty() && !telling.empty() && telling == telling_tokens(camera, cameras))
+        best = 85;
     for (const std::string& part : parts_of(label)) {
         if (lower(part) == lower(camera)) return 100;
         if (joined(tokens(part)) == joined(name) && !name.empty()) best = std::max(best, 90);
@@ -275,13 +276,14 @@ Expected<Matches> match_shots(const std::vector<std::string>& cameras,
     std::vector<std::string> labels;
     for (const Shots& one : shots)
         if (!one.is_alone) labels.push_back(one.label);
+    const std::vector<std::string> none;  // what tells single pictures apart is no camera's name
     Matches matches;
     std::map<std::string, std::string> taken;  // label -> camera
     for (const std::string& camera : cameras) {
         int best = 0;
         std::vector<const Shots*> fitting;
         for (const Shots& one : shots) {
-            const int like = likeness(camera, one.label, labels, cameras);
+            const int like = likeness(camera, one.label, labels, one.is_alone ? none : cameras);
             // the number of one picture is that of a frame; and a whole folder goes before it
             if (one.is_alone && like < kByName) continue;
             const int points = 2 * like - (one.is_alone ? 1 : 0);
