@@ -64,6 +64,9 @@ TEST(Instants, OfEveryTenthPictureFollowEachOther) {
     };
     EXPECT_THAT(numbers_of(frames["a"]), testing::ElementsAre(1000, 1001, 1002, 1004));
     EXPECT_THAT(numbers_of(frames["b"]), testing::ElementsAre(1000, 1001, 1003, 1004));
+    EXPECT_THAT(compare_instants(frames, numbering)->doubt,
+                HasSubstr("'a' has no 1030; 'b' has no 1020"))
+        << "as the files are named";
     // masks: of the same numbers without the first, of own numbers, and of each picture
     std::map<std::string, Shots> masks{{"a", shots_of({1010, 1030})}};
     count_by_one(masks, numbering);

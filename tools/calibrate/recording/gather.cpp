@@ -227,7 +227,7 @@ void Gatherer::take_numbering() {
 
 // Pictures of one number are one instant; a metaframe needs all cameras.
 Expected<void> Gatherer::compare_numbers() {
-    auto instants = compare_instants(material_.frames);
+    auto instants = compare_instants(material_.frames, numbering_);
     if (!instants) return tl::unexpected(instants.error());
     if (instants->first_complete > 0)
         material_.first_complete = instants->first_complete - material_.first_frame;

@@ -11,13 +11,17 @@
 namespace atrium::calibrate {
 namespace {
 
-std::string range_text(std::size_t first, std::size_t last) {
+// Of pictures that were counted by one: the numbers in their files' names.
+std::string range_text(std::size_t first, std::size_t last, const Numbering& files) {
+    first = files.first + (first - files.first) * files.step;
+    last = files.first + (last - files.first) * files.step;
     return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
 }
 
 // "7, 12 to 14", and how many more ranges there are. `missing` and `all` ascend.
 std::string missing_text(const std::vector<std::size_t>& missing,
-                         const std::vector<std::size_t>& all) {
+                         const std::vector<std::size_t>& all,
+                         const Numbering& files) {
     constexpr std::size_t kMaxRanges = 3;
     std::string text;
     std::size_t num_ranges = 0;
@@ -28,7 +32,7 @@ std::string missing_text(const std::vector<std::size_t>& missing,
         // numbers that no camera has do not end a range
         while (last + 1 < missing.size() && *++at == missing[last + 1]) ++last;
         if (++num_ranges <= kMaxRanges)
-            text += (text.empty() ? "" : ", ") + range_text(missing[i], missing[last]);
+            text += (text.empty() ? "" : ", ") + range_text(missing[i], missing[last], files);
         i = last + 1;
     }
     if (num_ranges > kMaxRanges) text += fmt::format(" and {} more gaps", num_ranges - kMaxRanges);
@@ -69,17 +73,18 @@ void count_by_one(std::map<std::string, Shots>& shots, const Numbering& numberin
     }
 }
 
-Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames) {
+Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames,
+                                    const Numbering& files) {
     std::set<std::size_t> numbers;
     std::string ranges;
     for (const auto& [camera, shots] : frames) {
         if (shots.is_video || shots.pictures.empty()) continue;
         for (const auto& [number, file] : shots.pictures) numbers.insert(number);
-        ranges +=
-            fmt::format("{}{} of '{}'",
-                        ranges.empty() ? "" : ", ",
-                        range_text(shots.pictures.begin()->first, shots.pictures.rbegin()->first),
-                        camera);
+        ranges += fmt::format(
+            "{}{} of '{}'",
+            ranges.empty() ? "" : ", ",
+            range_text(shots.pictures.begin()->first, shots.pictures.rbegin()->first, files),
+            camera);
     }
     if (numbers.empty()) return Instants{};
     const std::vector<std::size_t> all(numbers.begin(), numbers.end());
@@ -92,8 +97,10 @@ Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames) 
         }
         for (const std::size_t number : missing) numbers.erase(number);
         if (missing.empty()) continue;
-        gaps += fmt::format(
-            "{}'{}' has no {}", gaps.empty() ? "" : "; ", camera, missing_text(missing, all));
+        gaps += fmt::format("{}'{}' has no {}",
+                            gaps.empty() ? "" : "; ",
+                            camera,
+                            missing_text(missing, all, files));
     }
     if (numbers.empty()) {
         return make_error(ErrorKind::kConfiguration,

@@ -28,7 +28,8 @@ Numbering numbering_of(const std::map<std::string, Shots>& shots);
 void count_by_one(std::map<std::string, Shots>& shots, const Numbering& numbering);
 
 /// Compares the numbers of the pictures, by camera; videos have none. Error kConfiguration if no
-/// number is common to all.
-Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames);
+/// number is common to all. `files`: the numbering of the files, if `frames` were counted by one.
+Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames,
+                                    const Numbering& files = {});
 
 }  // namespace atrium::calibrate
