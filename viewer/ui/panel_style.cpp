@@ -20,10 +20,6 @@ void place_in(Corner corner) {
     const float margin = ui_px(kPanelMargin_px);
     ImVec2 at{margin, margin};
     ImVec2 pivot{0.0f, 0.0f};
-    if (corner == Corner::kLowerRight) {
-        at = {size.x - margin, size.y - margin};
-        pivot = {1.0f, 1.0f};
-    }
     if (corner == Corner::kMiddle) {
         at = {0.5f * size.x, 0.5f * size.y};
         pivot = {0.5f, 0.5f};

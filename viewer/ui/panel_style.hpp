@@ -11,7 +11,7 @@ inline const ImVec4 kWarningColour{1.0f, 0.75f, 0.3f, 1.0f};
 
 enum class Corner : std::uint8_t { kUpperLeft, kLowerLeft, kLowerRight, kMiddle };
 
-/// Places the next ImGui window in a corner of the picture.
+/// Places the next ImGui window in the upper left corner, or in the middle, of the picture.
 void place_in(Corner corner);
 
 /// Places the next ImGui window at the lower edge of the picture, to the right of `left` [px].
