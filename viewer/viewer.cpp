@@ -72,6 +72,7 @@ struct Viewer::Impl {
     ViewerStatistics statistics;
     std::optional<RunLimit> limit;
     HudContent hud;
+    DepartedPeople departed;
     std::uint64_t listed_revision = 0;  // scene revision of hud.objects
     Clock::time_point notice_until;
     app::log::OncePerSecond command_failures;
@@ -228,6 +229,7 @@ void Viewer::Impl::fill_hud(Clock::time_point now) {
     hud.model_size = measured == nullptr ? std::nullopt : std::optional(*measured);
     hud.num_objects = picture.renderer->num_objects();
     hud.recording_s = output_files.video_s();
+    hud.video_fps = config.video.fps;
     hud.num_video_dropped = output_files.num_dropped();
     hud.live = output_files.live();
     hud.quality = drawing->reduced_quality();
@@ -257,12 +259,11 @@ Expected<void> Viewer::Impl::adapt_quality(Clock::duration busy, Clock::time_poi
 
 void Viewer::Impl::update_status(Clock::time_point now) {
     hud.num_video_dropped = output_files.num_dropped();
-    const std::vector<SiteLine> before = hud.sites;
     hud.missing_file = picture.scene.missing_file();
     statistics.set_worlds_meant(membership.worlds_meant());
     statistics.update(
         now, *session, picture.people, picture.scene.site_names(), drawing->quality(), hud);
-    if (const std::string left = text_of_left(before, hud.sites); !left.empty()) show_notice(left);
+    hud.left = departed.update(hud.sites, now);
 }
 
 Expected<void> Viewer::Impl::loop(std::stop_token stop) {

@@ -35,8 +35,7 @@ std::optional<std::string> CommandInbox::admit(const bus::SceneEdit& edit,
     if (right_to(rights_, edit.kind).allows(edit.sender)) return std::nullopt;
     const bool is_of_files =
         edit.kind == bus::EditKind::kSaveWorld || edit.kind == bus::EditKind::kLoadWorld;
-    return fmt::format("{}: not allowed to {} by [rights] {} of the world file",
-                       to_string(edit.kind),
+    return fmt::format("not allowed to {} by [rights] {} of the world file",
                        edit.sender,
                        is_of_files                           ? "save"
                        : edit.kind == bus::EditKind::kAdd    ? "add"

@@ -54,6 +54,8 @@ public:
     /// worlds of which `take_mismatches` saw programs: "other_worlds=studio,lab". If this world's
     /// name may be a misspelling of one of them, also "did_you_mean=studio". Thread-safe.
     std::string place() const;
+    /// Worlds of which programs were seen and whose names are near this one's. Thread-safe.
+    std::vector<std::string> worlds_meant() const;
 
     struct Impl;
     const std::shared_ptr<Impl>& impl() const { return impl_; }

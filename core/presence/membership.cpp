@@ -256,4 +256,8 @@ std::vector<Presence> Membership::present() const {
 
 std::string Membership::place() const { return impl_->participant.place(); }
 
+std::vector<std::string> Membership::worlds_meant() const {
+    return impl_->participant.worlds_meant();
+}
+
 }  // namespace atrium::presence

@@ -45,6 +45,8 @@ public:
     std::vector<bus::Presence> present() const;
     /// Returns bus::Participant::place. Thread-safe.
     std::string place() const;
+    /// As bus::Participant::worlds_meant. Thread-safe.
+    std::vector<std::string> worlds_meant() const;
 
 private:
     struct Impl;

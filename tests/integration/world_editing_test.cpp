@@ -108,6 +108,44 @@ TEST_F(WorldEditing, ArrowMovesTheSelectedObjectForAllAndUndoPutsItBack) {
     EXPECT_TRUE(bob.until([&] { return bob.place_of(kEditBox).x() > 0.49; }));
 }
 
+TEST_F(WorldEditing, NumbersOfThePanelHoldThenPlaceAndUndoPutsItBack) {
+    Editor alice("alice");
+    Editor bob("bob");
+    ASSERT_TRUE(is_ready(alice) && is_ready(bob));
+    const auto ask = [&](double x_m, bool is_held) {
+        viewer::PlaceWanted wanted{kEditBox, {}, is_held};
+        wanted.world_from_object.translation = {x_m, 0.0, 1.0};
+        alice.ask([&](auto& edit) { edit.place = wanted; });
+    };
+    ASSERT_TRUE(bob.until([&] {
+        ask(0.5, true);
+        return (bob.place_of(kEditBox) - Eigen::Vector3d(0.5, 0.0, 1.0)).norm() < 1e-3;
+    })) << "held in the air, before the field is let go";
+    ask(0.7, false);
+    EXPECT_TRUE(alice.has_said("box was placed"));
+    EXPECT_TRUE(bob.until([&] {
+        return bob.objects().at(kEditBox).world_from_object.translation ==
+               Eigen::Vector3d(0.7, 0.0, 1.0);
+    })) << "the start must move too";
+    EXPECT_TRUE(bob.until([&] { return bob.place_of(kEditBox).z() < 0.2; })) << "it falls again";
+    alice.ask([](auto& edit) { edit.undo = true; });
+    EXPECT_TRUE(alice.has_said("undone: placed box"));
+    EXPECT_TRUE(bob.until([&] { return std::abs(bob.place_of(kEditBox).x()) < 0.005; }));
+}
+
+TEST_F(WorldEditing, AFieldThatIsLostLetsTheObjectGo) {
+    Editor alice("alice");
+    ASSERT_TRUE(is_ready(alice));
+    ASSERT_TRUE(alice.until([&] {
+        alice.ask([](auto& edit) {
+            edit.place = viewer::PlaceWanted{kEditBox, {}, true};
+            edit.place->world_from_object.translation = {0.0, 0.0, 1.0};
+        });
+        return alice.place_of(kEditBox).z() > 0.99;
+    }));
+    EXPECT_TRUE(alice.until([&] { return alice.place_of(kEditBox).z() < 0.2; }));
+}
+
 TEST_F(WorldEditing, RingsRotateAFixedObjectAndALostViewerLetsGo) {
     std::optional<Editor> alice(std::in_place, "alice");
     Editor bob("bob");

@@ -46,7 +46,7 @@ struct DisplayConfig {
 
 struct VideoConfig {
     std::filesystem::path file;  // empty: none
-    double fps = 10.0;
+    double fps = 30.0;
     int width = 0;         // 0: as the view
     int height = 0;        // if only one is 0, it follows from the view's aspect ratio
     std::string stream{};  // address of a receiver; empty: none

@@ -17,6 +17,13 @@ struct NewModel {
     Eigen::Vector3d size_m = Eigen::Vector3d::Ones();  // as far as known
 };
 
+/// A pose that the user types, or drags a number of.
+struct PlaceWanted {
+    std::uint32_t object = 0;
+    geometry::RigidTransform world_from_object{};
+    bool is_held = false;  // the field is still dragged
+};
+
 /// What the user asks to edit.
 struct EditEvents {
     bool is_enabled = true;     // false: the picture shows no handles and a click selects nothing
@@ -29,6 +36,7 @@ struct EditEvents {
     bool cancel = false;                     // ends the drag, then the selection
     std::optional<std::uint32_t> select;     // 0: nothing
     std::optional<bus::SceneObject> change;  // new properties of the object of that number
+    std::optional<PlaceWanted> place;
     std::optional<NewModel> add_model;
     std::string save_world;  // name; empty: none
     std::string load_world;

@@ -5,12 +5,14 @@
 #include <iterator>
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace atrium::viewer {
 namespace {
 
 constexpr float kHeadM = 0.25F;
-constexpr double kSoftS = 0.12;  // smooths the flicker of a hull's top
+constexpr float kHeadWidthM = 0.4F;  // what is wider has an arm beside it
+constexpr double kSoftS = 0.12;      // smooths the flicker of a hull's top
 
 // From those eyes to the eyes of the nearest other person. Empty: there is no other.
 std::optional<Eigen::Vector3d> way_to_nearest(const std::string& from_name,
@@ -36,27 +38,70 @@ std::optional<Eigen::Vector3d> way_to_nearest_thing(const Eigen::Vector3d& from,
     return nearest;
 }
 
+struct Box {
+    Eigen::Vector3f low;
+    Eigen::Vector3f high;
+};
+
+// Box of the vertices that `counts`. Empty: none does.
+template <class Counts>
+std::optional<Box> box_of(std::span<const Eigen::Vector3f> vertices, const Counts& counts) {
+    std::optional<Box> box;
+    for (const Eigen::Vector3f& v : vertices) {
+        if (!counts(v)) continue;
+        if (!box) box = Box{v, v};
+        box->low = box->low.cwiseMin(v);
+        box->high = box->high.cwiseMax(v);
+    }
+    return box;
+}
+
+// The vertical line through the middle of the body, which raised arms hardly move.
+Eigen::Vector2f axis_of(std::span<const Eigen::Vector3f> vertices) {
+    std::vector<float> values(vertices.size());
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    Eigen::Vector2f axis;
+    for (const int i : {0, 1}) {
+        std::ranges::transform(vertices, values.begin(), [i](const auto& v) { return v[i]; });
+        std::nth_element(values.begin(), middle, values.end());
+        axis[i] = *middle;
+    }
+    return axis;
+}
+
+Box head_of(std::span<const Eigen::Vector3f> vertices, float top) {
+    const auto in_head = [](float of) {
+        return [of](const Eigen::Vector3f& v) { return v.z() >= of - kHeadM; };
+    };
+    const Box head = *box_of(vertices, in_head(top));
+    if ((head.high - head.low).head<2>().maxCoeff() <= kHeadWidthM) return head;
+    // about the body's axis, then about the head that was found there
+    Box found = head;
+    Eigen::Vector2f axis = axis_of(vertices);
+    for (int pass = 0; pass < 2; ++pass) {
+        const auto is_near = [&](const Eigen::Vector3f& v) {
+            return (v.head<2>() - axis).norm() <= 0.5F * kHeadWidthM;
+        };
+        const auto near = box_of(vertices, is_near);
+        if (!near || near->high.z() < top - kHeadM) return found;
+        found = *box_of(vertices, [&](const Eigen::Vector3f& v) {
+            return is_near(v) && in_head(near->high.z())(v);
+        });
+        axis = 0.5F * (found.low + found.high).head<2>();
+    }
+    return found;
+}
+
 }  // namespace
 
 PersonPlace place_of(std::span<const Eigen::Vector3f> vertices) {
-    Eigen::Vector3f low = vertices.front();
-    Eigen::Vector3f high = vertices.front();
-    for (const Eigen::Vector3f& v : vertices) {
-        low = low.cwiseMin(v);
-        high = high.cwiseMax(v);
-    }
-    Eigen::Vector3f head_low = high;
-    Eigen::Vector3f head_high = low;
-    for (const Eigen::Vector3f& v : vertices) {
-        if (v.z() < high.z() - kHeadM) continue;
-        head_low = head_low.cwiseMin(v);
-        head_high = head_high.cwiseMax(v);
-    }
+    const Box all = *box_of(vertices, [](const Eigen::Vector3f&) { return true; });
+    const Box head = head_of(vertices, all.high.z());
     PersonPlace place;
-    place.middle = (0.5F * (low + high)).cast<double>();
-    place.size = (high - low).cast<double>();
-    place.eyes = (0.5F * (head_low + head_high)).cast<double>();
-    place.top = {place.eyes.x(), place.eyes.y(), static_cast<double>(high.z())};
+    place.middle = (0.5F * (all.low + all.high)).cast<double>();
+    place.size = (all.high - all.low).cast<double>();
+    place.eyes = (0.5F * (head.low + head.high)).cast<double>();
+    place.top = {place.eyes.x(), place.eyes.y(), static_cast<double>(head.high.z())};
     return place;
 }
 

@@ -22,7 +22,8 @@ struct PersonPlace {
 };
 
 /// Computes the place of a person from the vertices of a mesh that is not empty; +Z is up. The head
-/// is the part within 25 cm below the top.
+/// is the part within 25 cm below the top; of a wider part, as with a raised arm, what is near the
+/// body's axis.
 PersonPlace place_of(std::span<const Eigen::Vector3f> vertices);
 
 /// Moves the viewpoint with a person: follows the person, or looks through the person's eyes. A

@@ -92,6 +92,10 @@ void WorldEditing::take_keys(const EditEvents& events,
         if (const auto before = object_of(events.change->object, shown))
             out.push_back(history_.change(*before, *events.change, now));
     }
+    if (events.place && !drag_)
+        place(*events.place, shown, now, out);
+    else if (std::exchange(is_held_by_field_, false))
+        out.push_back(history_.edit(bus::EditKind::kLetGo, dragged_.object.object));
     if (!events.save_world.empty()) out.push_back(history_.save_world(events.save_world, now));
     if (!events.load_world.empty()) out.push_back(history_.load_world(events.load_world, now));
 }
@@ -137,6 +141,11 @@ void WorldEditing::drag(const EditEvents& events,
     }
     goal_ = drag_->update(shown.pointer, shown.eye, events.snaps);
     hovered_ = drag_->handle();
+    hold_at_goal(now, out);
+}
+
+// Tells the others where the dragged object is.
+void WorldEditing::hold_at_goal(Clock::time_point now, Edits& out) {
     const bool is_news = !is_same(goal_, sent_) && now - sent_at_ >= kHoldPeriod;
     if (!is_news && now - sent_at_ < kHoldSignOfLife) return;
     bus::SceneEdit hold = history_.edit(bus::EditKind::kHold, dragged_.object.object);
@@ -144,6 +153,28 @@ void WorldEditing::drag(const EditEvents& events,
     out.push_back(std::move(hold));
     sent_ = goal_;
     sent_at_ = now;
+}
+
+void WorldEditing::place(const PlaceWanted& wanted,
+                         const Shown& shown,
+                         Clock::time_point now,
+                         Edits& out) {
+    const auto object = object_of(wanted.object, shown);
+    if (!object) {
+        is_held_by_field_ = false;
+        return;
+    }
+    if (!is_held_by_field_) {
+        dragged_ = *object;
+        sent_ = object->pose;
+        sent_at_ = now - kHoldSignOfLife;
+    }
+    goal_ = wanted.world_from_object;
+    is_held_by_field_ = wanted.is_held;
+    if (is_held_by_field_)
+        hold_at_goal(now, out);
+    else
+        out.push_back(history_.place(dragged_, goal_, now));
 }
 
 // Puts the object back to where the drag began. Its start stays as it was.

@@ -70,6 +70,8 @@ private:
     void select_by_click(const Shown& shown);
     void press(const Shown& shown, Clock::time_point now);
     void drag(const EditEvents& events, const Shown& shown, Clock::time_point now, Edits& out);
+    void place(const PlaceWanted& wanted, const Shown& shown, Clock::time_point now, Edits& out);
+    void hold_at_goal(Clock::time_point now, Edits& out);
     void cancel(Edits& out);
 
     EditHistory history_;
@@ -79,7 +81,8 @@ private:
     bool is_local_ = false;
     std::optional<Handle> hovered_;
     std::optional<HandleDrag> drag_;
-    EditHistory::Object dragged_;  // when the drag began
+    EditHistory::Object dragged_;    // when the drag began
+    bool is_held_by_field_ = false;  // dragged by a number in its panel
     geometry::RigidTransform goal_{};
     geometry::RigidTransform sent_{};
     Clock::time_point sent_at_;

@@ -26,13 +26,8 @@ public:
     Expected<void> check_name() const;
     /// As bus::Participant::place.
     std::string place() const { return membership_->place(); }
-    /// Worlds that may be meant instead: "evening,evenings". Empty: none.
-    std::string worlds_meant() const {
-        constexpr std::string_view kKey = "did_you_mean=";
-        const std::string text = place();
-        const auto at = text.find(kKey);
-        return at == std::string::npos ? "" : text.substr(at + kKey.size());
-    }
+    /// As bus::Participant::worlds_meant.
+    std::vector<std::string> worlds_meant() const { return membership_->worlds_meant(); }
     /// Whether a world server or a site was there.
     bool has_met_others() const { return empty_world_.has_met_others(); }
     /// Updates the warning. `is_over`: the run ends.

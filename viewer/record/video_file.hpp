@@ -11,7 +11,7 @@ namespace atrium::viewer {
 
 struct VideoFormat {
     std::filesystem::path file;  // .avi, .mkv: motion JPEG; .mp4: MPEG-4
-    double fps = 10.0;
+    double fps = 30.0;
     int width = 0;  // even
     int height = 0;
 };

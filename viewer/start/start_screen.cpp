@@ -31,9 +31,15 @@ std::string title_of(const bus::BusOptions& options) {
                        options.peers.empty() ? "" : ", peers " + options.peers);
 }
 
-// Writes the name before the field that follows, on the same line.
+// Writes the name before the field that follows, on the same line where both have room.
 void labelled_field(const char* name, double width_px) {
-    ImGui::SameLine(0.0f, ui_px(16.0));
+    const float gap = ui_px(16.0);
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float from = ImGui::GetItemRectMax().x + gap;
+    const float width = ImGui::CalcTextSize(name).x + style.ItemSpacing.x + ui_px(width_px);
+    const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+    if (from + width <= right) ImGui::SameLine(0.0f, gap);
+    ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted(name);
     ImGui::SameLine();
     ImGui::SetNextItemWidth(ui_px(width_px));
@@ -67,7 +73,7 @@ std::vector<WorldEntry> world_entries(const bus::BusOptions& options,
 }
 
 void draw_joining(const std::string& world) {
-    begin_panel("joining", Corner::kMiddle, 0.96, false);
+    begin_panel("joining", Corner::kMiddle, 0.96, PanelKind::kText);
     ImGui::Text("joining %s ...", world.c_str());
     ImGui::End();
 }

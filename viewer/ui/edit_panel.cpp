@@ -1,9 +1,11 @@
 #include "viewer/ui/edit_panel.hpp"
 
+#include "core/geometry/roll_pitch_yaw.hpp"
 #include "viewer/ui/fields.hpp"
 
 #include <imgui.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <span>
 #include <utility>
@@ -13,6 +15,8 @@ namespace {
 
 constexpr double kAskedS = 2.5;  // then the fields show the world again
 constexpr NumberRange kSizes{0.01f, 20.0f, "%.3f m", 0.005f};
+constexpr NumberRange kPositions{-1000.0f, 1000.0f, "%.3f m", 0.005f};
+constexpr NumberRange kAngles{-360.0f, 360.0f, "%.1f deg", 0.5f};
 constexpr NumberRange kMasses{0.0f, 10000.0f, "%.3f kg"};  // 0: fixed
 
 bool is_equal(const bus::SceneObject& a, const bus::SceneObject& b) {
@@ -24,6 +28,11 @@ bool is_equal(const bus::SceneObject& a, const bus::SceneObject& b) {
 // Keeps the exact value of the world where the field was not touched.
 double kept(float field, double value) {
     return field == static_cast<float>(value) ? value : static_cast<double>(field);
+}
+
+std::array<float, 3> fields_of(const Eigen::Vector3d& values) {
+    const Eigen::Vector3f fields = values.cast<float>();
+    return {fields.x(), fields.y(), fields.z()};
 }
 
 }  // namespace
@@ -88,11 +97,62 @@ std::string EditPanel::draw_fields(const bus::SceneObject& object) {
     return problem;
 }
 
-void EditPanel::draw_place(const HudContent& content, SurfaceEvents& events) {
-    const EditView& edit = content.edit;
-    const Eigen::Vector3d& at = edit.pose.translation;
-    ImGui::Text("x %.3f  y %.3f  z %.3f m", at.x(), at.y(), at.z());
+geometry::RigidTransform EditPanel::typed_pose(const geometry::RigidTransform& from) const {
+    geometry::RigidTransform pose = from;
+    for (int i = 0; i < 3; ++i) {
+        const float typed = position_m_[static_cast<std::size_t>(i)];
+        pose.translation[i] = kept(typed, from.translation[i]);
+    }
+    if (angles_deg_ != fields_of(geometry::roll_pitch_yaw_deg(from.rotation)))
+        pose.rotation = geometry::rotation_of_roll_pitch_yaw(
+            Eigen::Map<const Eigen::Vector3f>(angles_deg_.data()).cast<double>());
+    return pose;
+}
+
+// The fields follow the object until the user takes one. Returns the problem of a number that was
+// typed; empty: none.
+std::string EditPanel::draw_place(const EditView& edit, SurfaceEvents& events) {
+    const geometry::RigidTransform from = held_ ? held_->from : edit.pose;
+    if (!held_) {
+        position_m_ = fields_of(from.translation);
+        angles_deg_ = fields_of(geometry::roll_pitch_yaw_deg(from.rotation));
+    }
+    std::string problem;
+    bool is_active = false;
+    bool is_done = false;
+    bool is_allowed = true;  // a number that was typed may be beyond the range for one picture
+    const auto numbers = [&](const char* title, std::span<float> values, const NumberRange& range) {
+        if (std::string found = number_field(title, values, range); !found.empty())
+            problem = std::move(found);
+        is_allowed = is_allowed && std::ranges::all_of(values, [&](float value) {
+                         return value >= range.least && value <= range.most;
+                     });
+        is_active = is_active || ImGui::IsItemActive();
+        is_done = is_done || ImGui::IsItemDeactivatedAfterEdit();
+    };
+    numbers("x y z", position_m_, kPositions);
+    numbers("angles", angles_deg_, kAngles);
+    if (!problem.empty() || !(is_active || is_done)) {
+        held_.reset();
+        return problem;
+    }
+    const geometry::RigidTransform pose = typed_pose(from);
+    const bool is_changed =
+        pose.translation != from.translation || pose.rotation.coeffs() != from.rotation.coeffs();
+    const bool is_moved = is_changed || (held_ && held_->is_moved);
+    if (is_allowed && (is_done || is_moved))
+        events.edit.place = PlaceWanted{edit.selected->object, pose, is_active && !is_done};
+    if (is_active)
+        held_ = is_done ? Held{pose, false} : Held{from, is_moved};
+    else
+        held_.reset();
+    return problem;
+}
+
+void EditPanel::draw_buttons(const EditView& edit, SurfaceEvents& events) {
     if (edit.selected->shape == bus::Shape::kSoft) {
+        const Eigen::Vector3d& at = edit.pose.translation;
+        ImGui::Text("x %.3f  y %.3f  z %.3f m", at.x(), at.y(), at.z());
         ImGui::TextWrapped("A soft object can be pulled and removed.");
     } else {
         const bool moves = edit.handles.mode == HandleMode::kMove;
@@ -115,6 +175,7 @@ void EditPanel::draw_place(const HudContent& content, SurfaceEvents& events) {
 void EditPanel::draw(const HudContent& content, float left, SurfaceEvents& events) {
     if (!content.edit.selected) {
         seen_ = {};
+        held_.reset();
         return;
     }
     const bus::SceneObject& object = *content.edit.selected;
@@ -142,9 +203,13 @@ void EditPanel::draw(const HudContent& content, float left, SurfaceEvents& event
         ImGui::TextWrapped("This world server does not know edits.");
     else if (object.shape != bus::Shape::kSoft)
         problem = draw_fields(object);
-    draw_place(content, events);
+    std::string misplaced;
+    if (content.edit.is_supported && object.shape != bus::Shape::kSoft)
+        misplaced = draw_place(content.edit, events);
+    draw_buttons(content.edit, events);
     ImGui::PopItemWidth();
     ImGui::End();
+    if (!misplaced.empty()) events.edit.hint = std::move(misplaced);
     if (ImGui::IsAnyItemActive() || object.shape == bus::Shape::kSoft) return;
     if (!problem.empty()) {
         events.edit.hint = std::move(problem);
@@ -156,7 +221,6 @@ void EditPanel::draw(const HudContent& content, float left, SurfaceEvents& event
     asked_ = wanted;
     asked_at_s_ = now_s;
     events.edit.change = std::move(wanted);
-    return;
 }
 
 }  // namespace atrium::viewer

@@ -4,12 +4,13 @@
 #include "viewer/ui/surface.hpp"
 
 #include <array>
+#include <optional>
 #include <string>
 
 namespace atrium::viewer {
 
-/// The panel of the selected object: name, size, mass, surface and colour. Sizes follow ImGui's
-/// font. Call `draw` between ImGui's NewFrame and Render.
+/// The panel of the selected object: name, size, mass, surface, colour and place. Sizes follow
+/// ImGui's font. Call `draw` between ImGui's NewFrame and Render.
 class EditPanel {
 public:
     /// Shows nothing if no object is selected. Writes the user's changes to `events`, each when the
@@ -20,7 +21,9 @@ private:
     void load(const bus::SceneObject& object);
     bus::SceneObject form() const;
     std::string draw_fields(const bus::SceneObject& object);
-    void draw_place(const HudContent& content, SurfaceEvents& events);
+    geometry::RigidTransform typed_pose(const geometry::RigidTransform& from) const;
+    std::string draw_place(const EditView& edit, SurfaceEvents& events);
+    void draw_buttons(const EditView& edit, SurfaceEvents& events);
 
     bus::SceneObject seen_;   // as the world had it when the fields were filled
     bus::SceneObject asked_;  // last change that was requested
@@ -33,12 +36,21 @@ private:
     float friction_ = 0.0f;
     float restitution_ = 0.0f;
     std::array<float, 3> colour_{};  // sRGB
+    struct Held {
+        geometry::RigidTransform from{};  // when the user took the field
+        bool is_moved = false;            // since
+    };
+    std::optional<Held> held_;  // one of the two below is being edited
+    std::array<float, 3> position_m_{};
+    std::array<float, 3> angles_deg_{};
 };
 
 /// Lists of the models that can be added and of the saved worlds, for the menu.
 class WorldPanel {
 public:
     void draw(const HudContent& content, SurfaceEvents& events);
+    /// Opens the list of saved worlds in the next `draw`.
+    void show_worlds() { wants_worlds_ = true; }
 
 private:
     void draw_models(const HudContent& content, SurfaceEvents& events);
@@ -46,6 +58,7 @@ private:
 
     void show_lowest();
 
+    bool wants_worlds_ = false;
     bool was_models_open_ = false;
     bool were_worlds_open_ = false;
     int frames_to_show_ = 0;  // pictures in which the menu still scrolls to what has just appeared

@@ -19,14 +19,15 @@ namespace {
 constexpr double kHistory_s = 30.0;
 // The short panel stays this small, so it does not cover people.
 constexpr double kLineWidth_px = 330.0;  // at scale 1; longer lines are wrapped
-constexpr double kTwoListsFrom_px = 1050.0;
+constexpr double kTwoListsFrom_px = 900.0;
+constexpr double kFiguresShare = 0.6;  // of the picture's width, at most
 constexpr double kDetailWidth_px = 460.0;
 constexpr float kKeysShare = 0.95f;  // of the picture's width
 constexpr std::size_t kMostWarnings = 2;
 
 void draw_warning(const std::string& text) {
     ImGui::PushStyleColor(ImGuiCol_Text, kWarningColour);
-    ImGui::TextUnformatted(text.c_str());
+    draw_wrapped(text);
     ImGui::PopStyleColor();
 }
 
@@ -41,9 +42,15 @@ void draw_losses(const HudContent& content) {
 void draw_sites(const HudContent& content) {
     const auto num_people =
         std::ranges::count_if(content.sites, [](const SiteLine& line) { return line.number > 0; });
-    if (num_people == 0)
-        ImGui::Text("nobody is here%s",
-                    content.has_other_worlds ? "   Backspace: other worlds" : "");
+    if (num_people == 0) {
+        const std::size_t num_sites = content.sites.size();
+        const std::string who =
+            num_sites == 0
+                ? "nobody is here"
+                : fmt::format("{} {}, no people yet", num_sites, num_sites == 1 ? "site" : "sites");
+        draw_wrapped(who + (content.has_other_worlds ? "   Backspace: other worlds" : ""));
+    }
+    if (!content.left.empty()) draw_warning(content.left);
     const auto num_hidden =
         std::ranges::count_if(content.sites, [](const SiteLine& line) { return !line.is_shown; });
     if (num_hidden > 0)
@@ -73,14 +80,18 @@ void draw_warnings(const HudContent& content, bool has_details) {
     if (num_left > 0) draw_warning(fmt::format("... and {} more (T)", num_left));
 }
 
-void draw_messages(const HudContent& content) {
+void draw_messages(const HudContent& content, bool has_details) {
     if (content.recording_s)
-        draw_warning(fmt::format("recording, {:.1f} s   F9: stop", *content.recording_s));
+        draw_warning(fmt::format("recording, {:.1f} s at {:g} pictures/s   F9: stop",
+                                 *content.recording_s,
+                                 content.video_fps));
     if (!content.live.empty()) draw_warning(content.live);
-    if (content.num_video_dropped > 0)
+    // the message at the end of a video tells its own
+    const bool is_running = content.recording_s || !content.live.empty();
+    if (content.num_video_dropped > 0 && (is_running || has_details))
         draw_warning(
             fmt::format("pictures missing in videos and streams: {}", content.num_video_dropped));
-    if (!content.notice.empty()) ImGui::TextUnformatted(content.notice.c_str());
+    if (!content.notice.empty()) draw_wrapped(content.notice);
 }
 
 void draw_details(const HudContent& content) {
@@ -99,10 +110,6 @@ void draw_details(const HudContent& content) {
     for (const HudLine& line : content.details) ImGui::TextUnformatted(line.text.c_str());
 }
 
-float text_width(std::string_view text) {
-    return ImGui::CalcTextSize(text.data(), text.data() + text.size()).x;
-}
-
 void draw_cell(std::string_view text, bool is_key) {
     if (is_key) ImGui::PushStyleColor(ImGuiCol_Text, kWarningColour);
     ImGui::PushTextWrapPos(0.0f);
@@ -114,22 +121,29 @@ void draw_cell(std::string_view text, bool is_key) {
 }  // namespace
 
 float draw_hud(const HudContent& content, bool has_details) {
-    begin_panel("figures", Corner::kUpperLeft, 0.6, has_details);
-    ImGui::PushTextWrapPos(ui_px(has_details ? kDetailWidth_px : kLineWidth_px));
+    begin_panel("figures",
+                Corner::kUpperLeft,
+                kFiguresShare,
+                has_details ? PanelKind::kInput : PanelKind::kText);
+    // nor does a narrow window cut it
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float room = widest_panel(kFiguresShare) - 2.0f * style.WindowPadding.x -
+                       (has_details ? style.ScrollbarSize : 0.0f);
+    ImGui::PushTextWrapPos(style.WindowPadding.x +
+                           std::min(room, ui_px(has_details ? kDetailWidth_px : kLineWidth_px)));
     std::string summary = content.world.empty() ? "" : content.world + "   ";
     summary += fmt::format("{:.0f} pictures/s", content.frames_per_s);
     if (content.capture_to_display.num_samples > 0)
         summary += fmt::format("   {:.0f} ms old", content.capture_to_display.median_ms);
-    ImGui::TextUnformatted(summary.c_str());
+    draw_wrapped(summary);
     if (!content.quality.empty()) draw_warning("machine too slow: " + content.quality);
     if (!content.inside.empty())
-        ImGui::TextWrapped("through the eyes of %s   Esc: leave", content.inside.c_str());
-    if (!content.followed.empty())
-        ImGui::TextWrapped("following %s   F: stop", content.followed.c_str());
+        draw_wrapped("through the eyes of " + content.inside + "   Esc: leave");
+    if (!content.followed.empty()) draw_wrapped("following " + content.followed + "   F: stop");
     draw_sites(content);
     draw_warnings(content, has_details);
     if (has_details) draw_details(content);
-    draw_messages(content);
+    draw_messages(content, has_details);
     ImGui::TextColored(kHintColour, "F1, ?: keys   T: %s   H: hide", has_details ? "less" : "more");
     ImGui::PopTextWrapPos();
     const float right = ImGui::GetWindowPos().x + ImGui::GetWindowSize().x;
@@ -138,14 +152,15 @@ float draw_hud(const HudContent& content, bool has_details) {
 }
 
 void draw_question(Action action) {
-    begin_panel("question", Corner::kMiddle, 0.96, false);
+    begin_panel("question", Corner::kMiddle, 0.96, PanelKind::kText);
     ImGui::TextUnformatted(action == Action::kReset ? "R again: reset all objects, for everybody"
                                                     : "Esc again: close the viewer");
     ImGui::End();
 }
 
 void draw_keys() {
-    begin_panel("keys", Corner::kMiddle, kKeysShare);
+    ImGui::SetNextWindowFocus();  // above the other panels, which show through it
+    begin_panel("keys", Corner::kMiddle, kKeysShare, PanelKind::kCover);
     // two lists beside each other where there is room, so that a low window shows all
     const float picture = ImGui::GetIO().DisplaySize.x;
     const std::size_t num_lists = picture >= ui_px(kTwoListsFrom_px) ? 2 : 1;

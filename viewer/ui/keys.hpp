@@ -34,6 +34,7 @@ enum class Action : std::uint8_t {
     kRedo,
     kNames,
     kMenu,
+    kSavedWorlds,
     kRemovePointed,
     kDebug,
     kReset,

@@ -70,10 +70,17 @@ void Menu::draw_new_object(SurfaceEvents& events) {
 
 void Menu::draw_object_list(const HudContent& content, SurfaceEvents& events) {
     const auto& objects = content.objects;
-    chosen_ = content.edit.selected ? content.edit.selected->object : 0;
+    const std::uint32_t selected = content.edit.selected ? content.edit.selected->object : 0;
+    const bool is_newly_chosen = std::exchange(chosen_, selected) != selected && selected != 0;
     ImGui::Text("%zu objects", objects.size());
     const ObjectLine* chosen = nullptr;
     if (ImGui::BeginListBox("##things", {-1.0f, ui_px(kListHeight_px)})) {
+        if (is_newly_chosen) {
+            const auto at = std::ranges::find(objects, selected, &ObjectLine::object);
+            const auto line = static_cast<float>(at - objects.begin());
+            ImGui::SetScrollY(line * ImGui::GetTextLineHeightWithSpacing() -
+                              0.4f * ui_px(kListHeight_px));
+        }
         // lay out only the visible ones of thousands
         ImGuiListClipper clipper;
         clipper.Begin(static_cast<int>(objects.size()));
@@ -121,9 +128,17 @@ void Menu::draw(const HudContent& content, SurfaceEvents& events) {
     if (content.notice.empty())
         ImGui::TextColored(kHintColour, "M: close the menu");
     else
-        ImGui::TextWrapped("%s", content.notice.c_str());
+        draw_wrapped(content.notice);
     ImGui::EndChild();
-    if (ImGui::Button("reset all objects", {-1.0f, 0.0f})) events.reset_scene = true;
+    // undo does not bring back what a reset takes from everybody
+    if (ImGui::Button(
+            asks_reset_ ? "reset everybody's objects?###reset" : "reset all objects###reset",
+            {-1.0f, 0.0f})) {
+        events.reset_scene = asks_reset_;
+        asks_reset_ = !asks_reset_;
+    } else if (asks_reset_ && ImGui::IsAnyItemActive() && !ImGui::IsItemActive()) {
+        asks_reset_ = false;
+    }
     ImGui::Separator();
     draw_new_object(events);
     ImGui::Separator();

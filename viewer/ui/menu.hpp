@@ -15,6 +15,9 @@ public:
     /// and Render.
     void draw(const HudContent& content, SurfaceEvents& events);
 
+    /// Opens the list of saved worlds.
+    void show_worlds() { worlds_.show_worlds(); }
+
 private:
     void draw_new_object(SurfaceEvents& events);
     void draw_object_list(const HudContent& content, SurfaceEvents& events);
@@ -26,6 +29,7 @@ private:
     std::array<char, 64> name_{};
     WorldPanel worlds_;
     std::uint32_t chosen_ = 0;  // selected object; 0: none
+    bool asks_reset_ = false;   // waits for a second press
 };
 
 }  // namespace atrium::viewer

@@ -6,12 +6,14 @@
 // for the sizes of the other panels
 #include <imgui_internal.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace atrium::viewer {
 namespace {
 
 constexpr double kPanelMargin_px = 10.0;  // at scale 1
+constexpr double kUncutPanel_px = 460.0;
 
 }  // namespace
 
@@ -58,6 +60,49 @@ void place_beside_others(const char* name, Corner corner) {
     ImGui::SetNextWindowPos({place.left, place.top});
 }
 
+float widest_panel(double share) {
+    const float picture = ImGui::GetIO().DisplaySize.x;
+    const float room = picture - 2.0f * ui_px(kPanelMargin_px);
+    return std::max(static_cast<float>(share) * picture, std::min(room, ui_px(kUncutPanel_px)));
+}
+
+float text_width(std::string_view text) {
+    return ImGui::CalcTextSize(text.data(), text.data() + text.size()).x;
+}
+
+std::string_view first_line(std::string_view text, float width) {
+    std::size_t end = 0;
+    while (end < text.size() && text[end] != '\n') {
+        std::size_t next = text.find_first_not_of(' ', end);
+        next = std::min(text.find_first_of(" \n", std::min(next, text.size())), text.size());
+        if (end > 0 && text_width(text.substr(0, next)) > width) break;
+        end = next;
+    }
+    return text.substr(0, end);
+}
+
+void draw_wrapped(std::string_view text) {
+    const float wrap_at = ImGui::GetCurrentWindow()->DC.TextWrapPos;
+    const float width =
+        wrap_at > 0.0f ? wrap_at - ImGui::GetCursorPosX() : ImGui::GetContentRegionAvail().x;
+    if (wrap_at <= 0.0f) ImGui::PushTextWrapPos(0.0f);  // breaks a word that is too long
+    while (!text.empty()) {
+        const std::string_view line = first_line(text, width);
+        ImGui::TextUnformatted(line.data(), line.data() + line.size());
+        text.remove_prefix(line.size());
+        text.remove_prefix(std::min(text.find_first_not_of(" \n"), text.size()));
+    }
+    if (wrap_at <= 0.0f) ImGui::PopTextWrapPos();
+}
+
+bool is_panel_at(float x, float y) {
+    return std::ranges::any_of(ImGui::GetCurrentContext()->Windows, [&](const ImGuiWindow* window) {
+        return window->WasActive && !window->Hidden && !window->IsFallbackWindow &&
+               (window->Flags & ImGuiWindowFlags_NoMouseInputs) == 0 &&
+               window->Rect().Contains({x, y});
+    });
+}
+
 bool is_popup_open() {
     return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
 }
@@ -68,17 +113,18 @@ bool close_popup() {
     return true;
 }
 
-void begin_panel(const char* name, Corner corner, double share, bool takes_input) {
+void begin_panel(const char* name, Corner corner, double share, PanelKind kind) {
     place_in(corner);
-    begin_placed_panel(name, share, takes_input);
+    begin_placed_panel(name, share, kind);
 }
 
-void begin_placed_panel(const char* name, double share, bool takes_input) {
+void begin_placed_panel(const char* name, double share, PanelKind kind) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float margin = ui_px(kPanelMargin_px);
-    ImGui::SetNextWindowSizeConstraints(
-        {0.0f, 0.0f}, {static_cast<float>(share) * size.x, size.y - 2.0f * margin});
-    ImGui::SetNextWindowBgAlpha(takes_input ? 0.85f : 0.55f);
+    ImGui::SetNextWindowSizeConstraints({0.0f, 0.0f},
+                                        {widest_panel(share), size.y - 2.0f * margin});
+    const bool takes_input = kind != PanelKind::kText;
+    ImGui::SetNextWindowBgAlpha(kind == PanelKind::kCover ? 0.97f : takes_input ? 0.85f : 0.55f);
     int flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
                 ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
                 ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |

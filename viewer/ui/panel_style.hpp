@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <cstdint>
+#include <string_view>
 
 namespace atrium::viewer {
 
@@ -21,18 +22,39 @@ void place_below(float left);
 /// cover the panels that were laid out before it in this frame.
 void place_beside_others(const char* name, Corner corner);
 
+/// Whether a panel that takes the mouse lies there [px]. ImGui itself knows it one picture later.
+bool is_panel_at(float x, float y);
+
 /// Whether a colour picker or list is open over the panels.
 bool is_popup_open();
 
 /// Closes the colour picker or list that is open over the panels. Returns whether there was one.
 bool close_popup();
 
+enum class PanelKind : std::uint8_t {
+    kInput,  // takes the mouse
+    kText,   // the mouse goes through it to the world
+    kCover   // as kInput; hides what lies behind it
+};
+
 /// Begins a panel at the place that was set, see place_below.
-void begin_placed_panel(const char* name, double share, bool takes_input = true);
+void begin_placed_panel(const char* name, double share, PanelKind kind = PanelKind::kInput);
+
+/// Greatest width [px] of a panel of that share of the picture's width: more in a narrow picture,
+/// where it would cut its lines.
+float widest_panel(double share);
+
+/// Width [px] of a text in one line.
+float text_width(std::string_view text);
+
+/// The part of a text, up to a blank, that fits into that width [px]; at least one word.
+std::string_view first_line(std::string_view text, float width);
+
+/// Writes text that breaks between words only, where ImGui also breaks after the dots in names.
+void draw_wrapped(std::string_view text);
 
 /// Begins a panel as large as its content, in a corner of the picture, at most `share` of the
-/// picture's width; scrolls beyond its height. `takes_input`: false: the mouse goes through it to
-/// the world. End it with ImGui::End.
-void begin_panel(const char* name, Corner corner, double share, bool takes_input = true);
+/// picture's width, see widest_panel; scrolls beyond its height. End it with ImGui::End.
+void begin_panel(const char* name, Corner corner, double share, PanelKind kind = PanelKind::kInput);
 
 }  // namespace atrium::viewer

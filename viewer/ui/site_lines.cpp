@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace atrium::viewer {
 namespace {
@@ -43,15 +44,25 @@ std::vector<SiteLine> site_lines(const std::map<std::string, PeopleView::Stream>
     return lines;
 }
 
-std::string text_of_left(const std::vector<SiteLine>& before, const std::vector<SiteLine>& now) {
-    std::vector<std::string> left;
-    for (const SiteLine& line : before) {
-        const auto is_same_person = [&](const SiteLine& other) {
-            return other.name == line.name && other.number > 0;
-        };
-        if (line.number > 0 && std::ranges::none_of(now, is_same_person)) left.push_back(line.name);
+std::string DepartedPeople::update(const std::vector<SiteLine>& lines, Clock::time_point now) {
+    std::set<std::string> present;
+    for (const SiteLine& line : lines) {
+        if (line.number > 0) present.insert(line.name);
     }
-    return left.empty() ? "" : fmt::format("{} left", fmt::join(left, ", "));
+    for (const std::string& name : present_) {
+        if (!present.contains(name)) left_[name] = now;
+    }
+    present_ = std::move(present);
+    std::erase_if(left_, [&](const auto& item) {
+        return present_.contains(item.first) || now - item.second > kShown;
+    });
+    std::vector<std::string> texts;
+    for (const auto& [name, since] : left_)
+        texts.push_back(
+            fmt::format("{} left {} s ago",
+                        name,
+                        std::chrono::duration_cast<std::chrono::seconds>(now - since).count()));
+    return fmt::format("{}", fmt::join(texts, ", "));
 }
 
 void mark_selected(const SiteSelection& selection, std::vector<SiteLine>& lines) {

@@ -5,6 +5,7 @@
 #include "viewer/ui/status_lines.hpp"
 #include "viewer/ui/surface.hpp"
 
+#include <chrono>
 #include <map>
 #include <set>
 #include <string>
@@ -18,8 +19,19 @@ std::vector<SiteLine> site_lines(const std::map<std::string, PeopleView::Stream>
                                  const std::set<std::string>& described,
                                  const StatusLines& reports);
 
-/// Tells the user who is no longer among the lines: "bob left". Empty: nobody.
-std::string text_of_left(const std::vector<SiteLine>& before, const std::vector<SiteLine>& now);
+/// Remembers for a while who has left.
+class DepartedPeople {
+public:
+    using Clock = std::chrono::steady_clock;
+    static constexpr std::chrono::seconds kShown{20};
+
+    /// Returns who has left and is not back: "bob left 3 s ago". Empty: nobody.
+    std::string update(const std::vector<SiteLine>& lines, Clock::time_point now);
+
+private:
+    std::set<std::string> present_;
+    std::map<std::string, Clock::time_point> left_;
+};
 
 /// Marks what the user hides.
 void mark_selected(const SiteSelection& selection, std::vector<SiteLine>& lines);

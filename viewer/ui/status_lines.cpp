@@ -68,17 +68,18 @@ bool StatusLines::watch_world(Clock::time_point now,
 
 std::vector<HudLine> StatusLines::warnings() const {
     std::vector<HudLine> lines;
-    if (is_world_missing_) {
-        std::string text = "no world server in this world: no objects";
-        if (!worlds_meant_.empty())
-            text += fmt::format(". Did you mean {}? Backspace: other worlds", worlds_meant_);
-        lines.push_back({std::move(text), true});
-    }
+    const std::string meant = worlds_meant_.empty()
+                                  ? ""
+                                  : fmt::format(". Did you mean {}? Backspace: other worlds",
+                                                fmt::join(worlds_meant_, ", "));
+    if (is_world_missing_)
+        lines.push_back({"no world server in this world: no objects" + meant, true});
     if (without_world_ > Clock::duration::zero()) {
         const double silent_s = seconds(without_world_);
         const std::string time = silent_s < 0.5 ? "" : fmt::format(" for {:.0f} s", silent_s);
         lines.push_back(
-            {fmt::format("no world server{}: objects stand still or are gone", time), true});
+            {fmt::format("no world server{}: objects stand still or are gone{}", time, meant),
+             true});
     }
     for (const auto& [title, program] : programs_) {
         std::string lost;

@@ -41,7 +41,7 @@ public:
                      const std::optional<Clock::time_point>& heard = {},
                      const std::optional<Clock::time_point>& lost = {});
     /// Worlds whose names may be meant instead of this one, for the warning that it has no server.
-    void set_worlds_meant(std::string names) { worlds_meant_ = std::move(names); }
+    void set_worlds_meant(std::vector<std::string> names) { worlds_meant_ = std::move(names); }
 
     /// One line for each program that lost something between its last two reports, one per
     /// bottleneck, and one while no world reports.
@@ -68,7 +68,7 @@ private:
     Clock::duration without_world_{};              // 0 while there is a world, and before the first
     std::optional<Clock::time_point> watched_since_;
     bool is_world_missing_ = false;  // none was ever heard
-    std::string worlds_meant_;
+    std::vector<std::string> worlds_meant_;
 };
 
 }  // namespace atrium::viewer

@@ -69,7 +69,9 @@ struct HudContent {
     std::string models_folder;
     std::string measured_model;           // file of `model_size`
     std::optional<ModelSize> model_size;  // none: not measured yet
+    std::string left;                     // sites whose people have just left; empty: none
     std::optional<double> recording_s;    // length of the running video
+    double video_fps = 0.0;               // its pictures per second
     std::uint64_t num_video_dropped = 0;  // pictures missing in videos and streams
     std::string live;                     // stream and virtual camera; empty: none
     std::string quality;                  // reduced quality on a slow machine; empty: full quality

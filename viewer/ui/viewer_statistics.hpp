@@ -50,7 +50,9 @@ public:
             hud.warnings = reports_.warnings();
     }
     /// Names worlds that may be meant, if this one turns out to have no server.
-    void set_worlds_meant(std::string names) { reports_.set_worlds_meant(std::move(names)); }
+    void set_worlds_meant(std::vector<std::string> names) {
+        reports_.set_worlds_meant(std::move(names));
+    }
     /// Status at the last `update`. Any thread.
     bus::ViewerStatus status() const;
     /// Answers of the world servers, for SceneEditor.

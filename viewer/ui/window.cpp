@@ -207,6 +207,10 @@ private:
             case Action::kMenu:
                 toggle(is_menu_shown_);
                 break;
+            case Action::kSavedWorlds:
+                is_menu_shown_ = true;
+                menu_.show_worlds();
+                break;
             case Action::kKeys:
                 toggle(are_keys_shown_);
                 break;
@@ -222,12 +226,11 @@ private:
             case Action::kNextSite:
                 sites_.choose(1);
                 break;
-            // only what the user sees chosen
             case Action::kHideSite:
-                if (are_sites_shown_) events_.hide_site = sites_.chosen();
+                choose_site(events_.hide_site, "X hides");
                 break;
             case Action::kSoloSite:
-                if (are_sites_shown_) events_.solo_site = sites_.chosen();
+                choose_site(events_.solo_site, "O shows only");
                 break;
             case Action::kWalk:
                 toggle(walks_);
@@ -245,6 +248,13 @@ private:
             default:
                 break;
         }
+    }
+    // only what the user sees chosen
+    void choose_site(std::string& wanted, const char* what) {
+        if (are_sites_shown_)
+            wanted = sites_.chosen();
+        else
+            events_.edit.hint = fmt::format("{} the site chosen in the list of sites: L", what);
     }
     // by character: the key of '?' differs between keyboards
     void typed(unsigned character) {
@@ -293,12 +303,18 @@ private:
         events_.pointer.at_px = at;
         events_.pointer.width_px = std::max(1, window[0]);
         events_.pointer.height_px = std::max(1, window[1]);
-        // the menu consumes its own input
-        if (ImGui::GetIO().WantCaptureMouse) return;
-        events_.pointer.is_down = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
-        if (events_.pointer.is_down) events_.motion.turn_px = way;
-        if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS)
-            events_.motion.pan_px = way;
+        const bool is_left = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
+        const bool is_right = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
+        // panels consume their own input, also a press in the picture in which the mouse reaches
+        // them
+        const bool is_press = (is_left || is_right) && !was_pressed_;
+        const bool is_on_panel =
+            is_press && is_panel_at(static_cast<float>(at.x()), static_cast<float>(at.y()));
+        if (ImGui::GetIO().WantCaptureMouse || is_on_panel) return;
+        was_pressed_ = is_left || is_right;
+        events_.pointer.is_down = is_left;
+        if (is_left) events_.motion.turn_px = way;
+        if (is_right) events_.motion.pan_px = way;
         events_.motion.look_around = is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT);
     }
     void read_keys() {
@@ -341,6 +357,7 @@ private:
     FullScreen full_screen_;
     SurfaceEvents events_;
     Eigen::Vector2d last_cursor_ = Eigen::Vector2d::Zero();
+    bool was_pressed_ = false;  // on the world, in the last picture
     double last_time_s_ = 0.0;
     std::chrono::steady_clock::duration waited_{0};
 };

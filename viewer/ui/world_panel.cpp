@@ -1,5 +1,6 @@
 #include "viewer/ui/edit_panel.hpp"
 #include "viewer/ui/fields.hpp"
+#include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/ui_scale.hpp"
 
 #include <imgui.h>
@@ -8,12 +9,14 @@
 #include <cctype>
 #include <ctime>
 #include <string>
+#include <utility>
 
 namespace atrium::viewer {
 namespace {
 
 constexpr float kListLines = 5.0f;
 constexpr int kFramesToShow = 3;           // the menu takes one or two to grow
+constexpr double kLargestUsual_m = 10.0;   // of a model in a room
 constexpr double kPreviewPixel_px = 1.25;  // at scale 1
 
 std::string lower(std::string text) {
@@ -59,7 +62,7 @@ void draw_preview_picture(const ModelPreview& preview) {
 
 void draw_measured(const ModelSize* size, double scale) {
     if (size == nullptr) return ImGui::TextUnformatted("reading the model ...");
-    if (!size->error.empty()) return ImGui::TextWrapped("%s", size->error.c_str());
+    if (!size->error.empty()) return draw_wrapped(size->error);
     const Eigen::Vector3d scaled = scale * size->size_m;
     draw_preview_picture(size->preview);
     ImGui::TextWrapped("%.2f x %.2f x %.2f m, %zu triangles, %zu parts",
@@ -68,11 +71,16 @@ void draw_measured(const ModelSize* size, double scale) {
                        scaled.z(),
                        size->num_triangles,
                        size->num_parts);
+    if (scaled.maxCoeff() <= kLargestUsual_m) return;
+    const double in_cm_m = 0.01 * scaled.maxCoeff();
+    ImGui::TextColored(kHintColour,
+                       "larger than a room: scale %g?",
+                       scale * (in_cm_m <= kLargestUsual_m ? 0.01 : 0.001));
 }
 
 void draw_size(const ModelSize* size, double scale) {
     const float below = ImGui::GetCursorPosY() + ui_px(kPreviewPixel_px * ModelPreview::kHeight) +
-                        3.0f * ImGui::GetTextLineHeightWithSpacing();
+                        4.0f * ImGui::GetTextLineHeightWithSpacing();
     draw_measured(size, scale);
     // the fields below stay where they are while models are read
     ImGui::SetCursorPosY(std::max(below, ImGui::GetCursorPosY()));
@@ -88,7 +96,7 @@ void WorldPanel::draw_models(const HudContent& content, SurfaceEvents& events) {
         if (content.models == nullptr)
             ImGui::TextUnformatted("reading the folder ...");
         else if (content.models->empty())
-            ImGui::TextWrapped("no models in %s", content.models_folder.c_str());
+            draw_wrapped("no models in " + content.models_folder);
         for (const ModelEntry& entry :
              content.models ? *content.models : std::vector<ModelEntry>{}) {
             if (lower(entry.file).find(filter) == std::string::npos) continue;
@@ -135,9 +143,9 @@ void WorldPanel::show_lowest() {
 
 void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
     const auto& worlds = content.edit.worlds;
-    if (!worlds) return ImGui::TextWrapped("No world server that knows saved worlds is running.");
+    if (!worlds) return draw_wrapped("No world server that knows saved worlds is running.");
     if (!worlds->is_on)
-        return ImGui::TextWrapped(
+        return draw_wrapped(
             "The world server has no folder of saved worlds (its option world.saved_folder).");
     if (begin_list("##worlds")) {
         for (const bus::SavedWorld& world : worlds->worlds) {
@@ -192,6 +200,10 @@ void WorldPanel::draw(const HudContent& content, SurfaceEvents& events) {
     const bool is_open = ImGui::CollapsingHeader("models");
     if (is_open) draw_models(content, events);
     was_models_open_ = is_open;
+    if (std::exchange(wants_worlds_, false)) {
+        ImGui::SetNextItemOpen(true);
+        frames_to_show_ = kFramesToShow;
+    }
     const bool are_worlds_open = ImGui::CollapsingHeader("saved worlds");
     if (are_worlds_open && !were_worlds_open_) frames_to_show_ = kFramesToShow;
     were_worlds_open_ = are_worlds_open;

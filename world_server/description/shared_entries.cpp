@@ -3,6 +3,7 @@
 #include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
 #include "core/config/spelling.hpp"
+#include "core/geometry/roll_pitch_yaw.hpp"
 #include "core/model/model_file.hpp"
 
 #include <fmt/format.h>
@@ -48,10 +49,7 @@ void read_pose(config::TableReader& reader, geometry::RigidTransform& world_from
     reader.read("position_m", world_from_object.translation.data(), 3, kPositionRange);
     Eigen::Vector3d angles_deg = Eigen::Vector3d::Zero();
     reader.read("roll_pitch_yaw_deg", angles_deg.data(), 3, {-360.0, 360.0});
-    const Eigen::Vector3d angles = kRadPerDeg * angles_deg;
-    world_from_object.rotation = Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
-                                 Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
-                                 Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
+    world_from_object.rotation = geometry::rotation_of_roll_pitch_yaw(angles_deg);
 }
 
 void read_texture(config::TableReader& reader, std::string& texture) {

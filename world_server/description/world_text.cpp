@@ -1,5 +1,6 @@
 #include "world_server/description/world_text.hpp"
 
+#include "core/geometry/roll_pitch_yaw.hpp"
 #include "world_server/description/shared_entries.hpp"
 
 #include <fmt/format.h>
@@ -45,7 +46,7 @@ public:
     }
     void pose(const geometry::RigidTransform& world_from_object) {
         raw("position_m", place(world_from_object.translation));
-        const Eigen::Vector3d angles = roll_pitch_yaw_deg(world_from_object.rotation);
+        const Eigen::Vector3d angles = geometry::roll_pitch_yaw_deg(world_from_object.rotation);
         if (angles.cwiseAbs().maxCoeff() > 1e-6) raw("roll_pitch_yaw_deg", place(angles));
     }
     void look(const Eigen::Vector3d& colour, const std::string& texture) {
@@ -219,7 +220,7 @@ void write(const NamedPlacement& site, std::string& text) {
     Table table(text, "[[site]]");
     table.name("name", site.site);
     table.raw("position_m", place(site.world_from_site.translation));
-    table.number("yaw_deg", rounded(roll_pitch_yaw_deg(site.world_from_site.rotation).z()));
+    table.number("yaw_deg", rounded(geometry::roll_pitch_yaw_deg(site.world_from_site.rotation).z()));
 }
 
 void write(const Rights& rights, std::string& text) {
@@ -269,17 +270,6 @@ Names unique_names(const std::vector<WorldObject>& objects,
 }
 
 }  // namespace
-
-Eigen::Vector3d roll_pitch_yaw_deg(const Eigen::Quaterniond& rotation) {
-    const Eigen::Matrix3d r = rotation.toRotationMatrix();
-    constexpr double kUpright = 1.0 - 1e-12;
-    Eigen::Vector3d angles;
-    angles.y() = std::asin(std::clamp(-r(2, 0), -1.0, 1.0));
-    const bool is_locked = std::abs(r(2, 0)) > kUpright;
-    angles.x() = is_locked ? 0.0 : std::atan2(r(2, 1), r(2, 2));
-    angles.z() = is_locked ? std::atan2(-r(0, 1), r(1, 1)) : std::atan2(r(1, 0), r(0, 0));
-    return angles / kRadPerDeg;
-}
 
 std::string to_toml(const WorldDescription& description,
                     const std::vector<WorldObject>& objects,

@@ -18,7 +18,4 @@ std::string to_toml(const WorldDescription& description,
                     const std::set<std::uint32_t>& soft,
                     const std::string& world_table);
 
-/// Angles about x, then y, then z of the world, as in `roll_pitch_yaw_deg` [degrees].
-Eigen::Vector3d roll_pitch_yaw_deg(const Eigen::Quaterniond& rotation);
-
 }  // namespace atrium::world_server

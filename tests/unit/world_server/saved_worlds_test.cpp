@@ -205,20 +205,5 @@ TEST_F(SavedWorldFiles, AFullDiskKeepsTheOldFileAndTellsWhy) {
     EXPECT_EQ(line, "[world]");
 }
 
-TEST(RollPitchYaw, InvertsTheWorldFilesRotation) {
-    std::mt19937_64 random(7);
-    std::uniform_real_distribution<double> any(-1.0, 1.0);
-    for (int i = 0; i < 1000; ++i) {
-        Eigen::Quaterniond rotation(any(random), any(random), any(random), any(random));
-        if (i % 10 == 0) rotation = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitY());
-        rotation.normalize();
-        const Eigen::Vector3d angles = roll_pitch_yaw_deg(rotation) * (M_PI / 180.0);
-        const Eigen::Quaterniond again = Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
-                                         Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
-                                         Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
-        EXPECT_LT(again.angularDistance(rotation), 1e-7);
-    }
-}
-
 }  // namespace
 }  // namespace atrium::world_server

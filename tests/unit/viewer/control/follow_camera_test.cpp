@@ -28,6 +28,26 @@ TEST(PersonPlace, HasTheEyesInTheHead) {
     EXPECT_NEAR(place.middle.z(), 0.85, 1e-3);
 }
 
+TEST(PersonPlace, ARaisedArmIsNoHead) {
+    std::vector<Eigen::Vector3f> vertices;
+    const auto fill = [&](const Eigen::Vector3f& low, const Eigen::Vector3f& high) {
+        for (int i = 0; i < 1000; ++i) {
+            const Eigen::Vector3f share(static_cast<float>(i % 10) / 9.0f,
+                                        static_cast<float>(i / 10 % 10) / 9.0f,
+                                        static_cast<float>(i / 100) / 9.0f);
+            vertices.emplace_back(low + share.cwiseProduct(high - low));
+        }
+    };
+    fill({-0.2f, -0.1f, 0.0f}, {0.2f, 0.1f, 1.45f});
+    fill({-0.1f, -0.1f, 1.5f}, {0.1f, 0.1f, 1.75f});
+    const PersonPlace resting = place_of(vertices);
+    fill({0.5f, -0.05f, 1.4f}, {0.6f, 0.05f, 1.8f});
+    const PersonPlace raised = place_of(vertices);
+    EXPECT_LT((raised.eyes - resting.eyes).norm(), 0.01);
+    EXPECT_LT((raised.top - resting.top).norm(), 0.01);
+    EXPECT_GT(raised.middle.x(), resting.middle.x() + 0.1);
+}
+
 TEST(FollowCamera, FollowsTheNearestUntilToggled) {
     FollowCamera follow_camera;
     FollowCamera::Places places{{"alice", standing_at(-0.4, 0)}, {"bob", standing_at(2, 2)}};

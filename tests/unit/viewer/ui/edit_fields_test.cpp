@@ -1,11 +1,13 @@
 #include "tests/support/comes_true.hpp"
 #include "tests/unit/viewer/ui/window_fixture.hpp"
+#include "viewer/ui/panel_style.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <initializer_list>
 #include <memory>
+#include <numbers>
 #include <optional>
 
 // Fields of the panels: keys, typing, dragging and questions.
@@ -15,6 +17,7 @@ namespace {
 using test_support::comes_true;
 
 constexpr int kColumn_px = 120;  // of the fields of the object's panel
+constexpr int kSecondColumn_px = 160;
 
 class ObjectPanel : public ViewerWindow {
 protected:
@@ -34,6 +37,10 @@ protected:
         ASSERT_TRUE(point_at_field(field, x));
         hold(true);
         hold(false);
+    }
+    // One number of a field of several.
+    static ImGuiID part_of(const char* field, int i) {
+        return ImHashStr("", 0, ImHashData(&i, sizeof i, id_of("edit", field)));
     }
     SurfaceEvents type(std::initializer_list<const char*> keys) {
         SurfaceEvents last;
@@ -109,12 +116,123 @@ TEST_F(ObjectPanel, DragsASmallMassBySmallSteps) {
     EXPECT_LT(changed->mass_kg, 0.15) << "1 % per pixel";
 }
 
+TEST_F(ObjectPanel, TypesOneCoordinateAndKeepsTheOthersExactly) {
+    geometry::RigidTransform& pose = figures_.edit.pose;
+    pose.translation = {0.1, 0.2, 1.0 / 3.0};
+    pose.rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1.0, 2.0, 3.0).normalized());
+    click_field(part_of("x y z", 1), kSecondColumn_px);
+    const SurfaceEvents events = type({"minus", "1", "period", "5", "Return"});
+    ASSERT_TRUE(events.edit.place);
+    EXPECT_EQ(events.edit.place->object, 7U);
+    EXPECT_FALSE(events.edit.place->is_held);
+    const geometry::RigidTransform& placed = events.edit.place->world_from_object;
+    EXPECT_EQ(placed.translation, Eigen::Vector3d(0.1, -1.5, 1.0 / 3.0));
+    EXPECT_EQ(placed.rotation.coeffs(), pose.rotation.coeffs());
+}
+
+TEST_F(ObjectPanel, TypesAnAngle) {
+    click_field(part_of("angles", 1), kSecondColumn_px);
+    const SurfaceEvents events = type({"3", "0", "Return"});
+    ASSERT_TRUE(events.edit.place);
+    const Eigen::Quaterniond expected(
+        Eigen::AngleAxisd(std::numbers::pi / 6.0, Eigen::Vector3d::UnitY()));
+    EXPECT_LT(events.edit.place->world_from_object.rotation.angularDistance(expected), 1e-6);
+}
+
+TEST_F(ObjectPanel, RefusesAPlaceBeyondTheRange) {
+    click_field(part_of("x y z", 1), kSecondColumn_px);
+    const SurfaceEvents events = type({"2", "0", "0", "0", "Return"});
+    EXPECT_FALSE(events.edit.place);
+    EXPECT_EQ(events.edit.hint, "x y z must be -1000 m to 1000 m, not 2000");
+}
+
+TEST_F(ObjectPanel, HoldsTheObjectWhileACoordinateIsDragged) {
+    ASSERT_TRUE(point_at_field(part_of("x y z", 1), kSecondColumn_px));
+    hold(true);
+    display_->point_at(kTitle, at_[0] + 40, at_[1]);
+    std::optional<PlaceWanted> held;
+    for (int i = 0; i < 5; ++i) {
+        if (const SurfaceEvents events = draw(); events.edit.place) held = events.edit.place;
+    }
+    ASSERT_TRUE(held);
+    EXPECT_TRUE(held->is_held);
+    EXPECT_GT(held->world_from_object.translation.y(), 0.1) << "5 mm per pixel";
+    display_->hold_button(kTitle, false);
+    std::optional<PlaceWanted> placed;
+    for (int i = 0; i < 5; ++i) {
+        if (const SurfaceEvents events = draw(); events.edit.place) placed = events.edit.place;
+    }
+    ASSERT_TRUE(placed);
+    EXPECT_FALSE(placed->is_held);
+    EXPECT_EQ(placed->world_from_object.translation, held->world_from_object.translation);
+}
+
 TEST_F(ObjectPanel, NamesGetAnUnderscoreForOtherCharacters) {
     click_field(id_of("edit", "name"));
     for (int i = 0; i < 3; ++i) after("BackSpace");
     const SurfaceEvents events = type({"a", "space", "b", "comma", "Return"});
     ASSERT_TRUE(events.edit.change);
     EXPECT_EQ(events.edit.change->name, "a_b_");
+}
+
+TEST_F(ViewerWindow, APressThatComesWithTheJumpOntoAPanelIsNotForTheWorld) {
+    display_->point_at(kTitle, 100, 100);
+    after("m");
+    const ImGuiWindow* menu = ImGui::FindWindowByName("menu");
+    ASSERT_NE(menu, nullptr);
+    ASSERT_FALSE(ImGui::GetIO().WantCaptureMouse);
+    const auto middle = menu->Rect().GetCenter();
+    display_->point_at(kTitle, static_cast<int>(middle.x), static_cast<int>(middle.y));
+    display_->hold_button(kTitle, true);
+    for (int i = 0; i < 5; ++i) EXPECT_FALSE(draw().pointer.is_down) << i;
+    display_->hold_button(kTitle, false);
+    draw();
+    EXPECT_TRUE(click(100, 100).pointer.is_down);
+}
+
+TEST_F(ViewerWindow, LinesBreakBetweenWordsOnly) {
+    draw();
+    const std::string text = "see its option world.saved_folder";
+    EXPECT_EQ(first_line(text, text_width(text)), text);
+    EXPECT_EQ(first_line(text, text_width("see its option world.saved")), "see its option");
+    EXPECT_EQ(first_line("world.saved_folder", 1.0f), "world.saved_folder") << "at least a word";
+    EXPECT_EQ(first_line("two\nlines", 1e6f), "two");
+}
+
+TEST_F(ViewerWindow, HidesASiteOnlyInTheOpenListAndSaysSo) {
+    figures_.sites.emplace_back().name = "alice";
+    const SurfaceEvents without = after("x");
+    EXPECT_EQ(without.hide_site, "");
+    EXPECT_EQ(without.edit.hint, "X hides the site chosen in the list of sites: L");
+    EXPECT_EQ(after("o").edit.hint, "O shows only the site chosen in the list of sites: L");
+    after("l");
+    EXPECT_EQ(after("x").hide_site, "alice");
+}
+
+TEST_F(ViewerWindow, ControlSOpensTheSavedWorlds) {
+    auto worlds = std::make_shared<bus::SavedWorlds>();
+    worlds->is_on = true;
+    figures_.edit.worlds = worlds;
+    EXPECT_EQ(ImGui::FindWindowByName("menu"), nullptr);
+    display_->press_with_control(kTitle, "s");
+    for (int i = 0; i < 10; ++i) draw();
+    ASSERT_NE(ImGui::FindWindowByName("menu"), nullptr);
+    EXPECT_NE(ImGui::FindWindowByName("menu")->StateStorage.GetInt(id_of("menu", "saved worlds")),
+              0);
+}
+
+TEST_F(ViewerWindow, TheMenusResetAsksAgainAndAnotherClickTakesItBack) {
+    after("m");
+    constexpr int kMenu_px = 640 - 10 - 290 + 100;
+    const auto click_on = [&](const char* field) {
+        EXPECT_TRUE(point_at_field(id_of("menu", field), kMenu_px)) << field;
+        return click(at_[0], at_[1]);
+    };
+    EXPECT_FALSE(click_on("###reset").reset_scene) << "it asks first";
+    EXPECT_TRUE(click_on("###reset").reset_scene);
+    EXPECT_FALSE(click_on("###reset").reset_scene);
+    click_on("name");
+    EXPECT_FALSE(click_on("###reset").reset_scene) << "it was taken back";
 }
 
 TEST_F(ViewerWindow, SavingOverAWorldAsksAgainAtTheSamePlace) {

@@ -20,6 +20,8 @@
 namespace atrium::viewer {
 namespace {
 
+using namespace std::chrono_literals;
+
 std::string text_of_file(const std::string& file) {
     std::ostringstream text;
     text << std::ifstream(ATRIUM_SOURCE_DIR "/" + file).rdbuf();
@@ -155,7 +157,7 @@ TEST(SiteLines, ShowRatesAndStates) {
     EXPECT_TRUE(lines[0].is_solo && lines[0].is_shown && !lines[2].is_shown);
 }
 
-TEST(SiteLines, TellWhoLeft) {
+TEST(SiteLines, TellForAWhileWhoLeft) {
     const auto line = [](const char* name, std::size_t number) {
         SiteLine made;
         made.name = name;
@@ -164,10 +166,18 @@ TEST(SiteLines, TellWhoLeft) {
     };
     const std::vector<SiteLine> before{
         line("alice", 1), line("bob", 2), line("carol", 3), line("empty", 0)};
-    EXPECT_EQ(text_of_left(before, before), "");
-    EXPECT_EQ(text_of_left(before, {line("alice", 0), line("carol", 1)}), "alice, bob left")
+    const DepartedPeople::Clock::time_point begin{};
+    DepartedPeople departed;
+    EXPECT_EQ(departed.update({}, begin), "");
+    EXPECT_EQ(departed.update(before, begin), "");
+    const std::vector<SiteLine> after{line("alice", 0), line("carol", 1)};
+    EXPECT_EQ(departed.update(after, begin + 1s), "alice left 0 s ago, bob left 0 s ago")
         << "alice's room is still there";
-    EXPECT_EQ(text_of_left({}, before), "");
+    EXPECT_EQ(departed.update(after, begin + 6s), "alice left 5 s ago, bob left 5 s ago");
+    const std::vector<SiteLine> back{line("bob", 1), line("carol", 2)};
+    EXPECT_EQ(departed.update(back, begin + 7s), "alice left 6 s ago");
+    EXPECT_EQ(departed.update(back, begin + 1s + DepartedPeople::kShown), "alice left 20 s ago");
+    EXPECT_EQ(departed.update(back, begin + 2s + DepartedPeople::kShown), "");
 }
 
 TEST(SiteLines, AreBounded) {

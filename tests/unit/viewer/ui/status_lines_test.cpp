@@ -90,7 +90,11 @@ TEST(StatusLines, WarnAtOnceIfTheObjectsLoseTheirWriter) {
     EXPECT_FALSE(lines.has_world());
     EXPECT_THAT(texts(lines.warnings()),
                 testing::ElementsAre("no world server: objects stand still or are gone"));
+    lines.set_worlds_meant({"evening"});
     EXPECT_FALSE(lines.watch_world(lost + seconds(2), kFirstLine, lost));
+    EXPECT_THAT(texts(lines.warnings()),
+                testing::ElementsAre("no world server for 2 s: objects stand still or are gone. "
+                                     "Did you mean evening? Backspace: other worlds"));
     const auto back = lost + seconds(3);
     EXPECT_TRUE(lines.watch_world(back, back, lost));
     EXPECT_TRUE(lines.warnings().empty());
@@ -98,12 +102,12 @@ TEST(StatusLines, WarnAtOnceIfTheObjectsLoseTheirWriter) {
 
 TEST(StatusLines, NameTheWorldThatIsMeantInsteadOfAnEmptyOne) {
     StatusLines lines;
-    lines.set_worlds_meant("evening");
+    lines.set_worlds_meant({"evening", "eventing"});
     lines.watch_world(kFirstLine);
     lines.watch_world(kFirstLine + seconds(5));
     EXPECT_THAT(texts(lines.warnings()),
                 testing::ElementsAre("no world server in this world: no objects. Did you mean "
-                                     "evening? Backspace: other worlds"));
+                                     "evening, eventing? Backspace: other worlds"));
 }
 
 TEST(StatusLines, WarnOfLossesSinceThePreviousReport) {

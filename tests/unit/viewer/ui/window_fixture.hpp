@@ -97,9 +97,12 @@ protected:
             all.remove_pointed |= events.remove_pointed;
             all.is_over_panel |= events.is_over_panel;
             all.motion.fly += events.motion.fly;
+            if (!events.hide_site.empty()) all.hide_site = events.hide_site;
+            if (!events.solo_site.empty()) all.solo_site = events.solo_site;
             if (events.person > 0) all.person = events.person;
             if (!events.edit.hint.empty()) all.edit.hint = events.edit.hint;
             if (events.edit.change) all.edit.change = events.edit.change;
+            if (events.edit.place) all.edit.place = events.edit.place;
         }
         return all;
     }
