@@ -2,6 +2,8 @@
 
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
+#include "core/base/looked_up.hpp"
+#include "core/config/spelling.hpp"
 #include "viewer/config/user_files.hpp"
 #include "viewer/record/output_files.hpp"
 #include "viewer/start/choose_world.hpp"
@@ -11,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -122,10 +125,24 @@ private:
     std::unique_ptr<Surface> surface_;
 };
 
+// A folder of models that the user named and that is not there. The default one may be missing.
+Expected<void> check_models(const ViewerConfig& config) {
+    std::error_code failure;
+    const bool is_default = config.models == ViewerConfig().models;
+    if (is_default || std::filesystem::is_directory(config.models, failure)) return {};
+    const std::string meant = config::ask_which_path(config.models);
+    return make_error(ErrorKind::kNotFound,
+                      fmt::format("viewer.models: {} is no folder{}{}",
+                                  config.models.string(),
+                                  looked_up_from(config.models),
+                                  meant.empty() ? "" : "; " + meant));
+}
+
 }  // namespace
 
 int run_viewer(ViewerConfig config, std::stop_token stop) {
     if (const auto ready = check_outputs(config); !ready) return app::fail(ready.error());
+    if (const auto found = check_models(config); !found) return app::fail(found.error());
     config.viewpoint_file = user_file("viewpoints.toml");
     if (is_unattended(config)) {
         if (config.bus.world.empty()) config.bus.world = bus::BusOptions().world;
