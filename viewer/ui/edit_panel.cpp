@@ -150,9 +150,12 @@ std::string EditPanel::draw_place(const EditView& edit, SurfaceEvents& events) {
 }
 
 void EditPanel::draw_buttons(const EditView& edit, SurfaceEvents& events) {
-    if (edit.selected->shape == bus::Shape::kSoft) {
+    const bool is_soft = edit.selected->shape == bus::Shape::kSoft;
+    if (is_soft || !edit.is_supported) {
         const Eigen::Vector3d& at = edit.pose.translation;
         ImGui::Text("x %.3f  y %.3f  z %.3f m", at.x(), at.y(), at.z());
+    }
+    if (is_soft) {
         ImGui::TextWrapped("A soft object can be pulled and removed.");
     } else {
         const bool moves = edit.handles.mode == HandleMode::kMove;
