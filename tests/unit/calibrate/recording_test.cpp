@@ -1,7 +1,7 @@
 // Pictures in the layouts of other programs become a recording.
 #include "tests/unit/calibrate/recording_fixture.hpp"
 #include "tools/calibrate/recording/codec_rate.hpp"
-#include "tools/calibrate/recording/shots.hpp"
+#include "tools/calibrate/recording/matching.hpp"
 
 #include <gmock/gmock.h>
 

@@ -2,6 +2,7 @@
 
 #include "tools/calibrate/recording/instants.hpp"
 #include "tools/calibrate/recording/mask_checks.hpp"
+#include "tools/calibrate/recording/matching.hpp"
 #include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace atrium::calibrate {
 namespace {
