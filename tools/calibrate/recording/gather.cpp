@@ -165,7 +165,6 @@ void Gatherer::report_truncated(const std::string& camera, const Shots& shots) {
 }
 
 Expected<void> Gatherer::look_at_all() {
-    std::size_t most = 0;
     std::size_t first = std::numeric_limits<std::size_t>::max();
     for (const auto& [camera, shots] : material_.frames) {
         auto look = look_at(shots);
@@ -179,7 +178,6 @@ Expected<void> Gatherer::look_at_all() {
         report_truncated(camera, shots);
         if (!shots.is_video) first = std::min(first, shots.pictures.begin()->first);
         fewest_ = std::min(fewest_, look->num_frames);
-        most = std::max(most, look->num_frames);
         if (look->rate_hz > 0.0) {
             if (material_.rate_hz > 0.0 &&
                 std::abs(look->rate_hz / material_.rate_hz - 1.0) > 0.01) {
@@ -196,13 +194,8 @@ Expected<void> Gatherer::look_at_all() {
         material_.looks[camera] = *look;
     }
     if (first != std::numeric_limits<std::size_t>::max()) material_.first_frame = first;
-    if (fewest_ != most && first == std::numeric_limits<std::size_t>::max()) {
-        check(
-            fmt::format("instants: the videos have {} to {} pictures; picture N of every camera is "
-                        "taken as one instant, so all must begin at the same one",
-                        fewest_,
-                        most));
-    }
+    if (std::string doubt = doubt_of_lengths(material_.frames, material_.looks); !doubt.empty())
+        check(std::move(doubt));
     const Look& look = material_.looks.begin()->second;
     if (look.codec_rate_hz > 0.0 && std::abs(look.codec_rate_hz / look.rate_hz - 1.0) > 0.01) {
         check(
