@@ -111,14 +111,30 @@ Expected<void> prove(const fs::path& folder, std::size_t first_complete) {
     return {};
 }
 
+Expected<void> check_number(const ForeignRig& rig, const ImportOptions& options) {
+    if (rig.cameras.size() <= kMaxCameras) return {};
+    const std::string start = rig.cameras.front().name.substr(0, 2);
+    return make_error(
+        ErrorKind::kConfiguration,
+        fmt::format("{}: {} cameras{}, but a rig has {} at most; choose some by their names, for "
+                    "example --cameras '{}*'{}",
+                    options.files.front().string(),
+                    rig.cameras.size(),
+                    options.recording.empty() ? "" : " with pictures",
+                    kMaxCameras,
+                    start,
+                    options.recording.empty()
+                        ? ", or give --recording: cameras without pictures are left out"
+                        : ""));
+}
+
 Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
     auto material = gather(
         names_of(rig),
         {options.recording, options.background, options.masks, options.invert_masks, moved(rig)});
     if (!material) return material;
-    std::erase_if(rig.cameras, [&](const ForeignCamera& camera) {
-        return !material->frames.contains(camera.name);
-    });
+    keep_cameras(rig, [&](const std::string& name) { return material->frames.contains(name); });
+    if (auto counted = check_number(rig, options); !counted) return tl::unexpected(counted.error());
     if (auto compared = compare_sizes(rig, *material, options.said); !compared)
         return tl::unexpected(compared.error());
     return material;
@@ -204,9 +220,11 @@ Expected<ImportReport> import(const ImportOptions& options) {
     if (auto checked = check_output(options); !checked) return tl::unexpected(checked.error());
     const auto files = with_folders_opened(options.files);
     if (!files) return tl::unexpected(files.error());
-    auto foreign = read_foreign(*files, options.format);
+    auto foreign = read_foreign(*files, options.format, options.cameras);
     if (!foreign) return tl::unexpected(foreign.error());
     if (!options.recording.empty()) return import_recording(*foreign, options);
+    if (auto counted = check_number(*foreign, options); !counted)
+        return tl::unexpected(counted.error());
     const auto conclusion = conclude(*foreign, options.said);
     if (!conclusion) return tl::unexpected(conclusion.error());
     const std::string text = rig_text(conclusion->rig, comments(*foreign, options, *conclusion));

@@ -211,6 +211,14 @@ void add_import(CLI::App& app, Action& action) {
     command->add_option("--format", options->format, "program that wrote the files")
         ->check(CLI::IsMember(formats))
         ->capture_default_str();
+    command
+        ->add_option("--cameras",
+                     options->cameras,
+                     "only the cameras with these names, or patterns of a shell such as '00_*'; "
+                     "commas between several; default: all")
+        ->type_name("NAME,...")
+        ->delimiter(',')
+        ->allow_extra_args(false);
     add_frame_options(*command, options->said);
     add_picture_options(*command, *options);
     command->add_flag("--force", options->force, "replace what -o names");

@@ -108,6 +108,49 @@ TEST_F(ImportedRecording, OfAPanopticStudioTakesTheCamerasWithPictures) {
     EXPECT_TRUE(std::filesystem::is_symlink(options_.output / "00_11/frames/000002.jpg"));
 }
 
+// More cameras than a rig has, of which some have pictures.
+class LargeCalibration : public ImportedRecording {
+protected:
+    void SetUp() override {
+        ImportedRecording::SetUp();
+        atrium::test::Random random(23);
+        cameras_ = random_room(random, 300);
+        for (std::size_t i = 0; i < cameras_.size(); ++i) {
+            cameras_[i].name = fmt::format("{:02}_{:02}", i / 24, i % 24);
+            cameras_[i].intrinsics.width = 64;
+            cameras_[i].intrinsics.height = 48;
+        }
+        options_.files = {folder_.write("calibration.json", opencv_json(cameras_))};
+        for (const char* camera : {"00_01", "00_02", "03_02"})
+            write_video(take(fmt::format("hd_{}.avi", camera)), 64, 48, 3);
+    }
+};
+
+TEST_F(LargeCalibration, GivesTheRecordingTheCamerasWithPictures) { expect_recording(3, 3, 0); }
+
+TEST_F(LargeCalibration, GivesTheCamerasThatTheUserNames) {
+    options_.cameras = {"00_0[12]", "03_02"};
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->problems, testing::Not(Contains(HasSubstr("left out"))));
+    options_.recording.clear();
+    options_.output = folder_.path() / "rig.toml";
+    options_.cameras = {"00_*"};
+    ASSERT_TRUE(import(options_));
+    EXPECT_EQ(config::load_rig(options_.output)->cameras.size(), 24U);
+    options_.cameras = {"00_*", "99_*"};
+    EXPECT_THAT(import(options_).error().message,
+                HasSubstr("--cameras 99_*: no camera has this name; the calibration has 00_00, "));
+}
+
+TEST_F(LargeCalibration, IsRefusedWithTheCureWithoutEither) {
+    options_.recording.clear();
+    options_.output = folder_.path() / "rig.toml";
+    EXPECT_THAT(import(options_).error().message,
+                testing::AllOf(HasSubstr("300 cameras, but a rig has 64 at most"),
+                               HasSubstr("--cameras '00*', or give --recording")));
+}
+
 }  // namespace
 }  // namespace test
 }  // namespace atrium::calibrate

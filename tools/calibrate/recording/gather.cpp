@@ -134,7 +134,8 @@ Expected<void> Gatherer::gather_frames() {
     if (!material_.missing.empty()) {
         problem(fmt::format(
             "{} of {} cameras left out, because {} has no pictures of {}{}; a hull from fewer "
-            "cameras is thicker: copy the pictures there, or give their folder the camera's name",
+            "cameras is thicker: copy the pictures there, give their folder the camera's name, or "
+            "leave these cameras out with --cameras",
             material_.missing.size(),
             cameras_.size() - material_.left_out.size(),
             folders_.frames.string(),
