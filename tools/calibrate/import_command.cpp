@@ -76,12 +76,19 @@ void add_frame_options(CLI::App& command, Said& said) {
             "axes of a camera: it looks along +Z with +Y down (opencv), or along -Z with +Y up "
             "(opengl); default: found out")
         ->check(CLI::IsMember({"opencv", "opengl"}));
-    command.add_option("--up", said.up, "axis of the file that points up; default: found out")
-        ->type_name("+X|-X|+Y|-Y|+Z|-Z")
+    command
+        .add_option("--up",
+                    said.up,
+                    "axis of the file that points up, or a direction in the file's axes such as "
+                    "0.05,-0.99,0.1; default: found out")
+        ->type_name("+X|-X|+Y|-Y|+Z|-Z|X,Y,Z")
         ->check(CLI::Validator(
             [](std::string& word) {
-                return axis_vector(word).isZero() ? "must be +X, -X, +Y, -Y, +Z or -Z, got " + word
-                                                  : std::string();
+                return up_vector(word).isZero()
+                           ? "must be +X, -X, +Y, -Y, +Z or -Z, or a direction in the "
+                             "file's axes such as 0.05,-0.99,0.1, got " +
+                                 word
+                           : std::string();
             },
             ""));
     add_distance(command, said);
