@@ -296,8 +296,11 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         }
         const auto run = limit->update(statistics.num_pictures(), picture.people.size(), now);
         if (!run) {
-            return make_error(run.error().kind,
-                              run.error().message + RunLimit::cure(membership.place()));
+            return make_error(
+                run.error().kind,
+                run.error().message +
+                    RunLimit::cure(membership.place(),
+                                   membership.sites_other_than(picture.scene.site_names())));
         }
         if (*run == RunLimit::Now::kOver) break;
         if (*run == RunLimit::Now::kBegan) {

@@ -9,9 +9,11 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace atrium::viewer {
 
@@ -33,6 +35,8 @@ public:
         const auto at = text.find(kKey);
         return at == std::string::npos ? "" : text.substr(at + kKey.size());
     }
+    /// Names of the sites that are present, without those in `known`.
+    std::vector<std::string> sites_other_than(const std::set<std::string>& known) const;
     /// Whether a world server or a site was there.
     bool has_met_others() const { return empty_world_.has_met_others(); }
     /// Updates the warning. `is_over`: the run ends.
