@@ -87,7 +87,10 @@ std::string quoted(const std::string& word) {
         return std::isalnum(c) != 0 ||
                std::string_view("/._-+=:@%,").find(static_cast<char>(c)) != std::string_view::npos;
     });
-    return is_plain ? word : "'" + word + "'";
+    if (is_plain && !word.empty()) return word;
+    std::string text = "'";
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return text + "'";
 }
 
 std::vector<std::string> next_commands(const ImportOptions& options) {
@@ -205,11 +208,14 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     append(report.told, conclusion->told);
     append(report.checks, conclusion->checks);
     append(report.problems, conclusion->problems);
-    if (!options.has_rate) {
-        report.told.push_back(fmt::format(
-            "rate: {:.4g} Hz{}",
-            conclusion->rig.rate_hz,
-            material->rate_hz > 0.0 ? ", as the videos say" : ", assumed; --rate says better"));
+    const double rate_hz = conclusion->rig.rate_hz;
+    if (!options.has_rate && material->rate_hz > 0.0)
+        report.told.push_back(fmt::format("rate: {:.4g} Hz, as the videos say", rate_hz));
+    if (!options.has_rate && material->rate_hz <= 0.0) {
+        report.checks.push_back(
+            fmt::format("rate: {:.4g} Hz is assumed; if people move too fast or too slowly, say "
+                        "--rate",
+                        rate_hz));
     }
     return report;
 }

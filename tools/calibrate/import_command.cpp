@@ -164,6 +164,17 @@ std::string programs_prefix() {
                : ((is_below ? fs::path(".") / relative : folder).lexically_normal() / "").string();
 }
 
+// Where the commands of `next:` run: their paths may be relative.
+std::string place_text(const ImportOptions& options) {
+    const bool has_folder = !options.programs.empty();
+    if (options.output.is_absolute() &&
+        (!has_folder || std::filesystem::path(options.programs).is_absolute()))
+        return {};
+    std::error_code failure;
+    const std::filesystem::path here = std::filesystem::current_path(failure);
+    return failure ? ", in this folder" : ", in the folder " + here.string();
+}
+
 Expected<void> run_import(const ImportOptions& options) {
     const auto report = import(options);
     if (!report) return tl::unexpected(report.error());
@@ -177,7 +188,8 @@ Expected<void> run_import(const ImportOptions& options) {
                        ? "the problem"
                        : fmt::format("the {} problems", report->problems.size()));
     }
-    fmt::print("next: in three terminals{}\n",
+    fmt::print("next: in three terminals{}{}\n",
+               place_text(options),
                options.recording.empty()
                    ? "; a simulated person stands in the room, as your cameras would see it"
                    : "");
