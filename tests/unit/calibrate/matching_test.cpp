@@ -61,6 +61,11 @@ TEST(WholeNames, InsideLongerNamesAreThoseOfTheLongerOnes) {
                              Pair("left_back", "take_left_back")));
 }
 
+TEST(WholeNames, DoNotTakeTheNumberOfATake) {
+    EXPECT_THAT(labels_of({"3", "4"}, {"Trial 3_Miqus_1", "Trial 3_Miqus_4"}),
+                ElementsAre(Pair("4", "Trial 3_Miqus_4")));
+}
+
 TEST(WholeNames, OfTwoCamerasInOneFileNameDecideNothing) {
     EXPECT_THAT(
         labels_of({"1", "2", "3"}, {"cam_1_take_3", "cam_2_take_3", "cam_3_take_3"}),

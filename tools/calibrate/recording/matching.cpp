@@ -87,10 +87,13 @@ Whole whole_name(const std::string& camera,
                  const std::vector<std::string>& cameras) {
     Whole best = Whole::kNo;
     const std::string name = lower(camera);
+    const std::vector<std::string> words = tokens(camera);
+    const bool is_mere_number = words.size() == 1 && is_number(words.front());
     for (const std::string& raw : parts_of(label)) {
         const std::string part = lower(raw);
         if (part == name) return Whole::kEqual;
-        if (places_of(name, part).empty()) continue;
+        // a number alone may be that of a take
+        if (is_mere_number || places_of(name, part).empty()) continue;
         const bool is_own = std::ranges::all_of(cameras, [&](const std::string& other) {
             return other.size() <= name.size() || is_beside(name, lower(other), part);
         });
