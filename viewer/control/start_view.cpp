@@ -10,6 +10,8 @@ namespace {
 constexpr double kFilledShare = 0.8;  // share of the picture's width and height
 constexpr double kStandingM = 2.0;    // a person of whom the first mesh may be a part
 constexpr double kLowestEyeM = 0.3;
+// From the front towards the usual side: straight ahead the site opposite would be at the eye.
+constexpr double kAside = std::numbers::pi / 6.0;
 constexpr double kFrontsAgree = 0.5;  // length of the mean of unit vectors
 
 // From the people to the eye, a unit vector.
@@ -20,7 +22,9 @@ Eigen::Vector3d towards_eye(const FollowCamera::Places& people, const renderer::
     front.z() = 0.0;
     if (front.norm() < kFrontsAgree * static_cast<double>(people.size())) return usual_side;
     const double level = std::hypot(usual_side.x(), usual_side.y());
-    const Eigen::Vector3d ahead = front.normalized();
+    const double sense = front.cross(usual_side).z() < 0.0 ? -1.0 : 1.0;
+    const Eigen::Vector3d ahead =
+        Eigen::AngleAxisd(sense * kAside, Eigen::Vector3d::UnitZ()) * front.normalized();
     return {level * ahead.x(), level * ahead.y(), usual_side.z()};
 }
 

@@ -10,10 +10,10 @@
 
 namespace atrium::viewer {
 
-/// A viewpoint from which all these people, at least one, are wholly in the picture: from the front
-/// if their sites have one and most agree, else from the side of `usual`. Never nearer than for
-/// somebody who stands, and never below the floor.
-/// `aspect`: width of the picture by its height.
+/// A viewpoint from which all these people, at least one, are wholly in the picture: from the
+/// front, 30 degrees aside, if their sites have one and most agree, else from the side of `usual`.
+/// Never nearer than for somebody who stands, and never below the floor. `aspect`: width of the
+/// picture by its height.
 renderer::ViewCamera view_of_people(const FollowCamera::Places& people,
                                     const renderer::ViewCamera& usual,
                                     double aspect);

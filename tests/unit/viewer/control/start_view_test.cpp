@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 namespace atrium::viewer {
 namespace {
 
@@ -56,8 +58,11 @@ TEST(StartView, FramesAPersonOnTheRingFromTheFront) {
     const Framed seen = framed(view, one);
     EXPECT_GT(seen.margin, 0.05);
     EXPECT_GT(seen.tall, 0.6);
-    EXPECT_LT(std::abs(view.position_m.x()), 1e-9);
-    EXPECT_LT(view.position_m.y(), 0.0);
+    const Eigen::Vector2d to_eye = (view.position_m - view.target_m).head<2>().normalized();
+    EXPECT_NEAR(to_eye.y(), -std::cos(std::numbers::pi / 6.0), 1e-9);
+    EXPECT_GT(to_eye.x(), 0.0) << "towards the usual side";
+    // where the second site of a world without places stands
+    EXPECT_GT((view.position_m.head<2>() - Eigen::Vector2d(0.0, -1.8)).norm(), 1.5);
     // the usual view cuts nothing off, but the person is small
     EXPECT_LT(framed(kUsualView, one).tall, 0.8 * seen.tall);
     const FollowCamera::Places other{{"lab", person_at(-1.8, 0.0, {1.0, 0.0, 0.0})}};
