@@ -23,12 +23,17 @@
 #include <memory>
 #include <mutex>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 namespace atrium::site_node {
 
 /// Metaframes per second that the configuration or else the rig asks for.
 double metaframe_rate_hz(const SiteNodeConfig& config, const config::Rig& rig);
+
+/// The same as text for the log: "15", or "unpaced" for a recording as fast as possible. Of every
+/// Nth picture, `capture.every`, an Nth of the recorded rate.
+std::string source_rate_text(const SiteNodeConfig& config, const config::Rig& rig);
 
 /// Checks the configuration and opens the frame source. A simulated room may take minutes.
 Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNodeConfig& config,

@@ -76,6 +76,15 @@ double metaframe_rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
     return config.capture.rate_hz > 0.0 ? config.capture.rate_hz : rig.rate_hz;
 }
 
+std::string source_rate_text(const SiteNodeConfig& config, const config::Rig& rig) {
+    if (config.capture.as_fast_as_possible) return "unpaced";
+    const bool is_recorded_rate =
+        config.capture.source == "recording" && config.capture.rate_hz <= 0.0;
+    return fmt::format("{:g}",
+                       metaframe_rate_hz(config, rig) /
+                           (is_recorded_rate ? static_cast<double>(config.capture.every) : 1.0));
+}
+
 Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNodeConfig& config,
                                                                   std::stop_token stop) {
     if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
@@ -122,7 +131,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
     app::log::info("source opened kind={} cameras={} rate_hz={}",
                    config.capture.source,
                    (*source)->rig().cameras.size(),
-                   (*source)->rig().rate_hz);
+                   source_rate_text(config, (*source)->rig()));
     auto pipeline = Pipeline::create(**source, config.pipeline, stop);
     if (!pipeline) return tl::unexpected(pipeline.error());
     for (const std::string& name : pipeline->cameras_without_background()) {

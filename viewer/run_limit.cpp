@@ -1,6 +1,7 @@
 #include "viewer/run_limit.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace atrium::viewer {
 namespace {
@@ -46,7 +47,17 @@ Expected<RunLimit::Now> RunLimit::update(std::uint64_t num_frames,
     return began ? Now::kBegan : Now::kGoesOn;
 }
 
-std::string RunLimit::cure(const std::string& place) {
+std::string RunLimit::cure(const std::string& place, const std::vector<std::string>& silent_sites) {
+    if (!silent_sites.empty()) {
+        return fmt::format(
+            "; this viewer is in {}, where {} {} and {} nothing yet: a site without pictures of "
+            "the empty room learns it before it publishes; wait longer with --wait_timeout_s, or "
+            "look at what the site reports",
+            place,
+            fmt::join(silent_sites, ", "),
+            silent_sites.size() == 1 ? "is a site" : "are sites",
+            silent_sites.size() == 1 ? "publishes" : "publish");
+    }
     return fmt::format(
         "; this viewer is in {}: look whether the sites run, what they report, and "
         "whether they are in the same world, domain and network",

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace atrium::viewer {
 
@@ -22,8 +23,9 @@ public:
     /// Call after every picture; `num_frames` pictures so far. Error kUnavailable if the people do
     /// not come in time.
     Expected<Now> update(std::uint64_t num_frames, std::size_t num_people, Clock::time_point now);
-    /// What to check if the people do not come. `place`: the world, and what else is heard.
-    static std::string cure(const std::string& place);
+    /// What to do if the people do not come. `place`: the world, and what else is heard;
+    /// `silent_sites`: sites of this world that publish nothing yet.
+    static std::string cure(const std::string& place, const std::vector<std::string>& silent_sites);
 
     /// Whether pictures count now.
     bool is_counting() const { return is_counting_; }

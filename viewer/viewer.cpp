@@ -3,6 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/base/statistics.hpp"
 #include "viewer/control/site_selection.hpp"
+#include "viewer/control/start_view.hpp"
 #include "viewer/control/user_control.hpp"
 #include "viewer/control/viewpoint_control.hpp"
 #include "viewer/pacing/drawing_control.hpp"
@@ -45,6 +46,7 @@ struct Viewer::Impl {
           surface_options(surface),
           session(std::move(of)),
           picture(config, std::move(display)),
+          start_view(camera, config.wait_people, !has_view(config.view)),
           control(camera, config.view.name, picture.display.is_tile()),
           models(config.models),
           viewpoints(ViewpointBook(config.viewpoints, config.viewpoint_file, config.bus.world)),
@@ -60,6 +62,7 @@ struct Viewer::Impl {
     std::unique_ptr<Session> session;
     WorldPicture picture;
     std::optional<DrawingControl> drawing;  // from `open` to `close`
+    StartView start_view;
     UserControl control;
     Pointer pointer;  // in the picture of one eye
     ModelFolder models;
@@ -240,6 +243,10 @@ void Viewer::Impl::draw(Clock::time_point begin) {
     const Clock::time_point now = Clock::now();
     picture.people.show_only(sites, control.inside());
     picture.update(*session, now, statistics.times());
+    const renderer::SceneRenderer& renderer = *picture.renderer;
+    const double aspect = static_cast<double>(renderer.width()) / renderer.height();
+    if (const auto view = start_view.update(picture.people.places(renderer), aspect))
+        control.set_start(*view);
     drawing->began(begin);
     hud.edit = control.edit_view(shown());
     picture.annotations->set_edit(hud.edit);
@@ -290,8 +297,11 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         }
         const auto run = limit->update(statistics.num_pictures(), picture.people.size(), now);
         if (!run) {
-            return make_error(run.error().kind,
-                              run.error().message + RunLimit::cure(membership.place()));
+            return make_error(
+                run.error().kind,
+                run.error().message +
+                    RunLimit::cure(membership.place(),
+                                   membership.sites_other_than(picture.scene.site_names())));
         }
         if (*run == RunLimit::Now::kOver) break;
         if (*run == RunLimit::Now::kBegan) {

@@ -38,7 +38,8 @@ simulated() {
 
 # view ARGS...: runs a viewer to its end; value NAME: a figure of its report
 view() {
-    if ! "$build"/bin/viewer --bus.world "$world" --view.context osmesa --wait_timeout_s 240 --seconds "$seconds" "$@" > "$work/viewer.log" 2>&1; then
+    if ! "$build"/bin/viewer --bus.world "$world" --view.context osmesa --view.position_m 2.6,-3.6,1.9 --wait_timeout_s 240 --seconds "$seconds" "$@" \
+        > "$work/viewer.log" 2>&1; then
         cat "$work/viewer.log"
         exit 1
     fi

@@ -84,6 +84,7 @@ viewer::ViewerConfig viewer_config(const fs::path& output) {
     config.view.context = "osmesa";  // it draws the rooms in this process
     config.view.width = 480;
     config.view.height = 270;
+    config.view.position_m = viewer::ViewConfig::kUsualPosition;  // as `share_changed` expects
     config.output = output;
     return config;
 }

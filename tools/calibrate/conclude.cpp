@@ -1,5 +1,6 @@
 #include "tools/calibrate/conclude.hpp"
 
+#include "tools/calibrate/conclude_up.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
 
 #include <fmt/format.h>
@@ -16,18 +17,8 @@ using Cameras = std::vector<geometry::CalibratedCamera>;
 constexpr double kLowestAim_m = 0.1;
 constexpr double kHighestAim_m = 2.5;
 constexpr double kUsualAim_m = 1.0;
-// Above this, as a sine, the cameras contradict the direction that is up.
-constexpr double kCrooked = 0.35;
-constexpr double kLyingDown = 0.7071;  // cosine: more than 45 degrees off up
-
 tl::unexpected<Error> needs(const std::string& text) {
     return make_error(ErrorKind::kConfiguration, text);
-}
-
-// "(0.00, 1.00, 0.00)", without negative zeros.
-std::string vector_text(const Eigen::Vector3d& v) {
-    const auto rounded = [](double x) { return std::round(100.0 * x) / 100.0 + 0.0; };
-    return fmt::format("({:.2f}, {:.2f}, {:.2f})", rounded(v.x()), rounded(v.y()), rounded(v.z()));
 }
 
 // Concludes one thing after the other; each step leaves its sentences.
@@ -45,7 +36,7 @@ public:
         result_.problems = foreign_.problems;
         read_poses();
         if (auto scaled = find_scale(); !scaled) return tl::unexpected(scaled.error());
-        if (auto up = find_up(); !up) return tl::unexpected(up.error());
+        find_up();
         if (auto floor = find_floor(); !floor) return tl::unexpected(floor.error());
         result_.rig.cameras = cameras_;
         result_.rig.rate_hz = said_.rate_hz;
@@ -57,9 +48,7 @@ private:
     void report_elsewhere(std::size_t camera);
     Expected<void> find_scale();
     Expected<double> said_scale() const;
-    Expected<void> find_up();
-    void check_up(const UpChoice& found);
-    void compare_up(const UpChoice& found, const Eigen::Vector3d& level);
+    void find_up();
     void report_floor(double aim_m, bool is_of_file);
     Expected<void> find_floor();
     Expected<std::size_t> index_of(const std::string& name) const;
@@ -236,74 +225,15 @@ Expected<void> Concluder::find_scale() {
     return {};
 }
 
-// The frame of the file stays, for +Z is up in every format that prescribes it.
-void Concluder::check_up(const UpChoice& found) {
-    const std::string why = found.is_known ? "the pictures are level along " + vector_text(found.up)
-                                           : "the cameras are tilted too differently to tell";
-    check(
-        fmt::format("up: {}; +Z of the file is taken; if people lie or stand on their heads, say "
-                    "--up +Y, -Y, ...",
-                    why));
-}
-
-// `level` is the direction along which the pictures are upright, in the new frame.
-void Concluder::compare_up(const UpChoice& found, const Eigen::Vector3d& level) {
-    if (level.z() > 1.0 - kCrooked) return;
-    const std::string text =
-        fmt::format("up: the pictures are upright along another direction, {} of the new frame",
-                    vector_text(level));
-    if (level.z() > kLyingDown) {
-        check(text);
-        return;
-    }
-    const std::string better = found.axis.empty() ? "" : "say --up " + found.axis + ", or ";
-    problem(fmt::format("{}, so people {}: {}leave --up out",
-                        text,
-                        level.z() < -kLyingDown ? "stand on their heads" : "lie on their side",
-                        better));
-}
-
-Expected<void> Concluder::find_up() {
-    const UpChoice found = choose_up(cameras_);
-    Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-    std::string why;
-    if (!said_.up.empty()) {
-        up = axis_vector(said_.up);
-        why = "up: " + said_.up + ", as you say";
-    } else if (found.is_known && !found.axis.empty() && foreign_.has_frame) {
-        up = axis_vector(found.axis);
-        why = fmt::format("up: {}{}: the pictures are level along it to {:.1f} degrees",
-                          found.axis,
-                          found.axis == foreign_.up ? ", as documented" : "",
-                          std::asin(std::min(found.tilt, 1.0)) * 57.2958);
-    } else if (found.is_known && foreign_.up.empty()) {
-        up = found.up;
-        is_turned_ = true;
-        why = fmt::format(
-            "up: the direction {} of the file, along which the pictures are level to {:.1f} "
-            "degrees",
-            vector_text(up),
-            std::asin(std::min(found.tilt, 1.0)) * 57.2958);
-        check("up: taken from the pictures' horizon, good to a degree or two; --up says better");
-    } else {
-        check_up(found);
-        return {};
-    }
-    const geometry::RigidTransform site_from_file{upright_from(up), Eigen::Vector3d::Zero()};
-    move(site_from_file.inverse());
-    is_turned_axis_ = up.z() < 0.999;
-    const Eigen::Vector3d level = site_from_file.rotation * found.up;
-    if (found.is_known) compare_up(found, level);
-    tell(why);
-    if (said_.up.empty() && foreign_.up.empty() && found.other_up) {
-        int axis = 0;
-        found.other_up->cwiseAbs().maxCoeff(&axis);
-        check(
-            fmt::format("up: if the cameras lie on their side, up is about {0}{1}: say --up {0}{1}",
-                        (*found.other_up)[axis] > 0.0 ? '+' : '-',
-                        "XYZ"[axis]));
-    }
-    return {};
+void Concluder::find_up() {
+    UpConclusion found = conclude_up(foreign_, cameras_, said_.up);
+    for (std::string& text : found.told) tell(std::move(text));
+    for (std::string& text : found.checks) check(std::move(text));
+    for (std::string& text : found.problems) problem(std::move(text));
+    if (!found.up) return;
+    move({upright_from(*found.up).inverse(), Eigen::Vector3d::Zero()});
+    is_turned_ = !found.is_axis;
+    is_turned_axis_ = found.up->z() < 0.999;
 }
 
 Expected<void> Concluder::find_floor() {

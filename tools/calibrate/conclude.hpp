@@ -14,7 +14,7 @@ namespace atrium::calibrate {
 /// What the user knows better than the file and the cameras' geometry.
 struct Said {
     std::string units;  // "m", "cm", "mm", "in", "ft"; empty: find out
-    std::string up;     // "+Z", "-Y", ...; empty: find out
+    std::string up;     // "+Z", "-Y", ... or "x,y,z" in the file's axes; empty: find out
     std::optional<Reading::Pose> pose;
     std::optional<bool> opengl;
     struct Distance {

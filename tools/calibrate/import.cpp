@@ -87,7 +87,10 @@ std::string quoted(const std::string& word) {
         return std::isalnum(c) != 0 ||
                std::string_view("/._-+=:@%,").find(static_cast<char>(c)) != std::string_view::npos;
     });
-    return is_plain ? word : "'" + word + "'";
+    if (is_plain && !word.empty()) return word;
+    std::string text = "'";
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return text + "'";
 }
 
 std::vector<std::string> next_commands(const ImportOptions& options) {
@@ -111,14 +114,30 @@ Expected<void> prove(const fs::path& folder, std::size_t first_complete) {
     return {};
 }
 
+Expected<void> check_number(const ForeignRig& rig, const ImportOptions& options) {
+    if (rig.cameras.size() <= kMaxCameras) return {};
+    const std::string start = rig.cameras.front().name.substr(0, 2);
+    return make_error(
+        ErrorKind::kConfiguration,
+        fmt::format("{}: {} cameras{}, but a rig has {} at most; choose some by their names, for "
+                    "example --cameras '{}*'{}",
+                    options.files.front().string(),
+                    rig.cameras.size(),
+                    options.recording.empty() ? "" : " with pictures",
+                    kMaxCameras,
+                    start,
+                    options.recording.empty()
+                        ? ", or give --recording: cameras without pictures are left out"
+                        : ""));
+}
+
 Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
     auto material = gather(
         names_of(rig),
         {options.recording, options.background, options.masks, options.invert_masks, moved(rig)});
     if (!material) return material;
-    std::erase_if(rig.cameras, [&](const ForeignCamera& camera) {
-        return !material->frames.contains(camera.name);
-    });
+    keep_cameras(rig, [&](const std::string& name) { return material->frames.contains(name); });
+    if (auto counted = check_number(rig, options); !counted) return tl::unexpected(counted.error());
     if (auto compared = compare_sizes(rig, *material, options.said); !compared)
         return tl::unexpected(compared.error());
     return material;
@@ -189,11 +208,14 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     append(report.told, conclusion->told);
     append(report.checks, conclusion->checks);
     append(report.problems, conclusion->problems);
-    if (!options.has_rate) {
-        report.told.push_back(fmt::format(
-            "rate: {:.4g} Hz{}",
-            conclusion->rig.rate_hz,
-            material->rate_hz > 0.0 ? ", as the videos say" : ", assumed; --rate says better"));
+    const double rate_hz = conclusion->rig.rate_hz;
+    if (!options.has_rate && material->rate_hz > 0.0)
+        report.told.push_back(fmt::format("rate: {:.4g} Hz, as the videos say", rate_hz));
+    if (!options.has_rate && material->rate_hz <= 0.0) {
+        report.checks.push_back(
+            fmt::format("rate: {:.4g} Hz is assumed; if people move too fast or too slowly, say "
+                        "--rate",
+                        rate_hz));
     }
     return report;
 }
@@ -204,9 +226,11 @@ Expected<ImportReport> import(const ImportOptions& options) {
     if (auto checked = check_output(options); !checked) return tl::unexpected(checked.error());
     const auto files = with_folders_opened(options.files);
     if (!files) return tl::unexpected(files.error());
-    auto foreign = read_foreign(*files, options.format);
+    auto foreign = read_foreign(*files, options.format, options.cameras);
     if (!foreign) return tl::unexpected(foreign.error());
     if (!options.recording.empty()) return import_recording(*foreign, options);
+    if (auto counted = check_number(*foreign, options); !counted)
+        return tl::unexpected(counted.error());
     const auto conclusion = conclude(*foreign, options.said);
     if (!conclusion) return tl::unexpected(conclusion.error());
     const std::string text = rig_text(conclusion->rig, comments(*foreign, options, *conclusion));

@@ -13,7 +13,8 @@ namespace atrium::calibrate {
 struct ImportOptions {
     Files files;
     std::string format = "auto";
-    std::filesystem::path output;  // rig.toml, or the folder of a recording
+    std::filesystem::path output;      // rig.toml, or the folder of a recording
+    std::vector<std::string> cameras;  // patterns of their names, as "00_*"; empty: all
     Said said;
     bool has_rate = false;
     std::filesystem::path recording;   // folder with pictures; empty: only the calibration

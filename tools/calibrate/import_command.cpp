@@ -76,12 +76,19 @@ void add_frame_options(CLI::App& command, Said& said) {
             "axes of a camera: it looks along +Z with +Y down (opencv), or along -Z with +Y up "
             "(opengl); default: found out")
         ->check(CLI::IsMember({"opencv", "opengl"}));
-    command.add_option("--up", said.up, "axis of the file that points up; default: found out")
-        ->type_name("+X|-X|+Y|-Y|+Z|-Z")
+    command
+        .add_option("--up",
+                    said.up,
+                    "axis of the file that points up, or a direction in the file's axes such as "
+                    "0.05,-0.99,0.1; default: found out")
+        ->type_name("+X|-X|+Y|-Y|+Z|-Z|X,Y,Z")
         ->check(CLI::Validator(
             [](std::string& word) {
-                return axis_vector(word).isZero() ? "must be +X, -X, +Y, -Y, +Z or -Z, got " + word
-                                                  : std::string();
+                return up_vector(word).isZero()
+                           ? "must be +X, -X, +Y, -Y, +Z or -Z, or a direction in the "
+                             "file's axes such as 0.05,-0.99,0.1, got " +
+                                 word
+                           : std::string();
             },
             ""));
     add_distance(command, said);
@@ -157,6 +164,17 @@ std::string programs_prefix() {
                : ((is_below ? fs::path(".") / relative : folder).lexically_normal() / "").string();
 }
 
+// Where the commands of `next:` run: their paths may be relative.
+std::string place_text(const ImportOptions& options) {
+    const bool has_folder = !options.programs.empty();
+    if (options.output.is_absolute() &&
+        (!has_folder || std::filesystem::path(options.programs).is_absolute()))
+        return {};
+    std::error_code failure;
+    const std::filesystem::path here = std::filesystem::current_path(failure);
+    return failure ? ", in this folder" : ", in the folder " + here.string();
+}
+
 Expected<void> run_import(const ImportOptions& options) {
     const auto report = import(options);
     if (!report) return tl::unexpected(report.error());
@@ -170,7 +188,8 @@ Expected<void> run_import(const ImportOptions& options) {
                        ? "the problem"
                        : fmt::format("the {} problems", report->problems.size()));
     }
-    fmt::print("next: in three terminals{}\n",
+    fmt::print("next: in three terminals{}{}\n",
+               place_text(options),
                options.recording.empty()
                    ? "; a simulated person stands in the room, as your cameras would see it"
                    : "");
@@ -211,6 +230,14 @@ void add_import(CLI::App& app, Action& action) {
     command->add_option("--format", options->format, "program that wrote the files")
         ->check(CLI::IsMember(formats))
         ->capture_default_str();
+    command
+        ->add_option("--cameras",
+                     options->cameras,
+                     "only the cameras with these names, or patterns of a shell such as '00_*'; "
+                     "commas between several; default: all")
+        ->type_name("NAME,...")
+        ->delimiter(',')
+        ->allow_extra_args(false);
     add_frame_options(*command, options->said);
     add_picture_options(*command, *options);
     command->add_flag("--force", options->force, "replace what -o names");

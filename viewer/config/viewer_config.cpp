@@ -24,8 +24,16 @@ void declare(ViewConfig& view, config::OptionSet& set) {
             view.max_fps,
             "pictures per second [Hz]; 0: 30 without a window, else the display's rate",
             {.min = 0, .max = 1000});
-    set.add("view.position_m", view.position_m, "position of the eye in the world, \"x,y,z\" [m]");
-    set.add("view.target_m", view.target_m, "point that the eye looks at, \"x,y,z\" [m]");
+    set.add("view.position_m",
+            view.position_m,
+            fmt::format("position of the eye in the world, \"x,y,z\" [m]; empty: {}, or if "
+                        "view.target_m is empty too, one that shows the first people",
+                        ViewConfig::kUsualPosition));
+    set.add("view.target_m",
+            view.target_m,
+            fmt::format("point that the eye looks at, \"x,y,z\" [m]; empty: {}, or as "
+                        "view.position_m",
+                        ViewConfig::kUsualTarget));
     set.add(
         "view.fov_deg", view.fov_deg, "vertical opening angle [degrees]", {.min = 5, .max = 150});
     set.add("view.antialias",
@@ -184,9 +192,12 @@ Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string&
 }
 
 Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config) {
-    const auto position = parse_point("view.position_m", config.position_m);
+    const auto position =
+        parse_point("view.position_m",
+                    config.position_m.empty() ? ViewConfig::kUsualPosition : config.position_m);
     if (!position) return tl::unexpected(position.error());
-    const auto target = parse_point("view.target_m", config.target_m);
+    const auto target = parse_point(
+        "view.target_m", config.target_m.empty() ? ViewConfig::kUsualTarget : config.target_m);
     if (!target) return tl::unexpected(target.error());
     if ((*position - *target).norm() < 1e-3) {
         return make_error(ErrorKind::kConfiguration,

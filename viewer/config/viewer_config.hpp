@@ -17,13 +17,16 @@
 namespace atrium::viewer {
 
 struct ViewConfig {
+    static constexpr const char* kUsualPosition = "2.6,-3.6,1.9";
+    static constexpr const char* kUsualTarget = "0,0,0.95";
+
     /// In ViewerStatus and SceneCommand; empty: viewer-<host>-<process id>-<number>.
     std::string name;
     int width = 960;
     int height = 540;
-    double max_fps = 0.0;  // 0: 30 without a window, else the display's rate
-    std::string position_m = "2.6,-3.6,1.9";
-    std::string target_m = "0,0,0.95";
+    double max_fps = 0.0;    // 0: 30 without a window, else the display's rate
+    std::string position_m;  // this and `target_m` empty: the viewer frames the first people
+    std::string target_m;
     double fov_deg = 38.0;
     std::string antialias = "none";
     std::string names = "auto";    // auto: only in a window
@@ -85,6 +88,11 @@ std::pair<int, int> video_size(const VideoConfig& video, std::pair<int, int> pic
 
 /// Parses "x,y,z". Error kConfiguration names `key`.
 Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text);
+
+/// Whether the user chose the viewpoint of the start.
+inline bool has_view(const ViewConfig& config) {
+    return !config.position_m.empty() || !config.target_m.empty();
+}
 
 /// Viewpoint of the configuration. Error kConfiguration if it is invalid.
 Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config);

@@ -19,6 +19,9 @@ struct PersonPlace {
     Eigen::Vector3d top = Eigen::Vector3d::Zero();     // top of the head
     /// Extents of the bounding box along the site's axes.
     Eigen::Vector3d size = Eigen::Vector3d::Zero();
+    /// Where the site's +X points, a unit vector: its people face there. Zero: the site has no
+    /// place in the world.
+    Eigen::Vector3d front = Eigen::Vector3d::Zero();
 };
 
 /// Computes the place of a person from the vertices of a mesh that is not empty; +Z is up. The head

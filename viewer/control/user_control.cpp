@@ -16,8 +16,15 @@ bool moves(const Motion& motion) {
 
 void UserControl::fly_to(const renderer::ViewCamera& camera, Clock::time_point now) {
     if (is_fixed_) return;
+    has_moved_ = true;
     follow_.leave();
     flight_.start(camera_, camera, now);
+}
+
+void UserControl::set_start(const renderer::ViewCamera& start) {
+    if (is_fixed_) return;
+    start_ = start;
+    if (!has_moved_) camera_ = start;
 }
 
 namespace {
@@ -75,7 +82,9 @@ UserControl::Commands UserControl::move(const SurfaceEvents& events,
         follow_.toggle_first_person(events.person, shown.people, movable_things(shown));
     if (events.leave_eyes) follow_.leave_eyes();
     if (events.reset_view) follow_.leave();
-    if (events.follow || events.person > 0 || events.reset_view || moves(motion)) flight_.stop();
+    const bool is_moving = events.follow || events.person > 0 || moves(motion);
+    if (is_moving || events.reset_view) flight_.stop();
+    has_moved_ = is_moving || (has_moved_ && !events.reset_view);
     if (follow_.is_first_person()) {
         motion.look_around = true;
         motion.walk = false;

@@ -38,6 +38,9 @@ public:
     /// Person whom the viewpoint follows from outside. Empty: nobody.
     std::string followed() const { return follow_.is_first_person() ? "" : follow_.name(); }
 
+    /// Replaces the viewpoint of the start, to which V returns; goes there if the user has not
+    /// moved.
+    void set_start(const renderer::ViewCamera& start);
     /// Moves the viewpoint smoothly to `camera`. Mouse and keys end the flight.
     void fly_to(const renderer::ViewCamera& camera, Clock::time_point now);
 
@@ -80,6 +83,7 @@ private:
     renderer::ViewCamera start_;
     renderer::ViewCamera camera_;
     bool is_fixed_;
+    bool has_moved_ = false;  // the user chose another viewpoint than that of the start
     MouseGrab mouse_;
     static WorldEditing::Shown edit_shown(const Shown& shown);
     void remove(std::uint32_t object, const Shown& shown, Clock::time_point now, Commands& out);

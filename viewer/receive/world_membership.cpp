@@ -28,4 +28,14 @@ Expected<void> WorldMembership::check_name() const {
     return name_;
 }
 
+std::vector<std::string> WorldMembership::sites_other_than(
+    const std::set<std::string>& known) const {
+    std::vector<std::string> sites;
+    for (const bus::Presence& member : membership_->present()) {
+        if (member.kind == bus::ProgramKind::kSiteNode && !known.contains(member.name))
+            sites.push_back(member.name);
+    }
+    return sites;
+}
+
 }  // namespace atrium::viewer

@@ -9,9 +9,10 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
-#include <string_view>
+#include <vector>
 
 namespace atrium::viewer {
 
@@ -28,6 +29,8 @@ public:
     std::string place() const { return membership_->place(); }
     /// As bus::Participant::worlds_meant.
     std::vector<std::string> worlds_meant() const { return membership_->worlds_meant(); }
+    /// Names of the sites that are present, without those in `known`.
+    std::vector<std::string> sites_other_than(const std::set<std::string>& known) const;
     /// Whether a world server or a site was there.
     bool has_met_others() const { return empty_world_.has_met_others(); }
     /// Updates the warning. `is_over`: the run ends.

@@ -79,10 +79,14 @@ FollowCamera::Places PeopleView::places(const renderer::SceneRenderer& renderer)
     FollowCamera::Places places;
     for (const auto& [site, shown] : shown_) {
         const Eigen::Isometry3d world_from_site(renderer.world_from_site(site));
+        const bool has_place = !world_from_site.matrix().isIdentity();
+        const Eigen::Vector3d front =
+            has_place ? Eigen::Vector3d(world_from_site.linear().col(0)) : Eigen::Vector3d::Zero();
         places[site] = {world_from_site * shown.place_site.middle,
                         world_from_site * shown.place_site.eyes,
                         world_from_site * shown.place_site.top,
-                        shown.place_site.size};
+                        shown.place_site.size,
+                        front};
     }
     return places;
 }

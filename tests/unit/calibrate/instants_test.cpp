@@ -91,5 +91,20 @@ TEST(Instants, OfVideosAreNotJudgedByNumbers) {
     EXPECT_EQ(found->doubt, "");
 }
 
+TEST(Instants, OfVideosOfDifferentLengthsNameTheShorterOnes) {
+    Shots video;
+    video.is_video = true;
+    const std::map<std::string, Shots> frames{{"a", video}, {"b", video}, {"c", video}};
+    const auto of_length = [](std::size_t num_frames) {
+        return Look{64, 48, 25.0, 0.0, num_frames};
+    };
+    EXPECT_EQ(doubt_of_lengths(frames,
+                               {{"a", of_length(60)}, {"b", of_length(60)}, {"c", of_length(60)}}),
+              "");
+    EXPECT_THAT(doubt_of_lengths(
+                    frames, {{"a", of_length(60)}, {"b", of_length(50)}, {"c", of_length(59)}}),
+                HasSubstr("50 to 60 pictures: 'b' has 50, 'c' has 59. Picture N"));
+}
+
 }  // namespace
 }  // namespace atrium::calibrate

@@ -2,6 +2,7 @@
 #include "tests/unit/calibrate/foreign_texts.hpp"
 #include "tools/calibrate/conclude.hpp"
 #include "tools/calibrate/formats/format.hpp"
+#include "tools/calibrate/judge/rig_judge.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -171,6 +172,43 @@ TEST_F(Mistakes, AnUpThatTurnsPeopleOverIsAProblem) {
     EXPECT_THAT(side->problems, ElementsAre(HasSubstr("lie on their side: say --up +Z")));
     said.up = "+Z";
     EXPECT_THAT(conclude_from("a.yml", text, said)->problems, IsEmpty());
+}
+
+// A file whose up lies between its axes: an axis for --up makes it worse, and the import says so.
+TEST_F(Mistakes, AnUpThatMakesPeopleLeanIsToBeChecked) {
+    const Eigen::Matrix3d lean =
+        Eigen::AngleAxisd(0.2, Eigen::Vector3d(1.0, 1.0, 0.0).normalized()).matrix();
+    const std::string text = test::opencv_yaml(test::in_frame(cameras_, lean), 1.0);
+    const auto found = conclude_from("a.yml", text);
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_THAT(
+        found->checks,
+        Contains(AllOf(HasSubstr("fine if people stand upright"), HasSubstr("--up X,Y,Z; now"))));
+    Said said;
+    said.up = "+Z";
+    const auto axis = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(axis);
+    EXPECT_THAT(
+        axis->checks,
+        Contains(testing::ContainsRegex("up: \\+Z, as you say, is 1[12] degrees off .* "
+                                        "say --up 0\\.1[0-9]*,-0\\.1[0-9]*,0\\.98[0-9]*, or")));
+    // the direction of the check gives what was found
+    for (const std::string& check : found->checks) {
+        const std::size_t at = check.find("now it is --up ");
+        if (at != std::string::npos) said.up = check.substr(at + 15);
+    }
+    ASSERT_NE(said.up, "+Z");
+    const auto direction = conclude_from("a.yml", text, said);
+    ASSERT_TRUE(direction) << said.up;
+    EXPECT_THAT(direction->checks, Not(Contains(HasSubstr("up:"))));
+    EXPECT_LT(test::difference(direction->rig.cameras, found->rig.cameras), 0.01);
+}
+
+TEST(UpVector, IsAnAxisOrThreeNumbers) {
+    EXPECT_EQ(up_vector("-Y"), Eigen::Vector3d(0.0, -1.0, 0.0));
+    EXPECT_TRUE(up_vector("0, -2,0").isApprox(Eigen::Vector3d(0.0, -1.0, 0.0)));
+    for (const char* wrong : {"", "1,2", "1,2,3,4", "0,0,0", "a,b,c", "1,2,nan", "1 2 3", "1,2,3x"})
+        EXPECT_TRUE(up_vector(wrong).isZero()) << wrong;
 }
 
 }  // namespace

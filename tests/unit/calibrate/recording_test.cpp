@@ -1,7 +1,7 @@
 // Pictures in the layouts of other programs become a recording.
 #include "tests/unit/calibrate/recording_fixture.hpp"
 #include "tools/calibrate/recording/codec_rate.hpp"
-#include "tools/calibrate/recording/shots.hpp"
+#include "tools/calibrate/recording/matching.hpp"
 
 #include <gmock/gmock.h>
 
@@ -75,6 +75,20 @@ TEST_F(ImportedRecording, SaysWhatIsMissingAndLeavesItOut) {
     EXPECT_THAT(again.error().message, HasSubstr("--force"));
     options_.force = true;
     EXPECT_TRUE(import(options_));
+    options_.output = folder_.path() / "Ann's take";
+    EXPECT_THAT(import(options_)->next, Contains(HasSubstr("/Ann'\\''s take' --capture.loop")));
+}
+
+TEST_F(ImportedRecording, AssumesARateThatPicturesDoNotSay) {
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i)
+            write_picture(take(fmt::format("cam{}/{:04}.png", camera, i)), 64, 48, 40);
+    }
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->checks,
+                Contains(AllOf(HasSubstr("rate: 30 Hz is assumed"), HasSubstr("--rate"))));
+    EXPECT_THAT(report->told, testing::Not(Contains(HasSubstr("rate:"))));
 }
 
 TEST_F(ImportedRecording, RefusesAnEmptyRoomOfAnotherSizeBeforeAnythingIsWritten) {

@@ -1,4 +1,5 @@
 #include "site_node/config.hpp"
+#include "site_node/site_node.hpp"
 
 #include "site_node/start_check.hpp"
 
@@ -360,6 +361,20 @@ TEST(CameraConfig, NamesTheKeyOfAWrongCamera) {
                 HasSubstr("capture.cameras.buffers"));
     EXPECT_THAT(message(kCameras + "packet_size = 70000\n" + north + "serial = \"1\"\n"),
                 HasSubstr("packet_size"));
+}
+
+TEST(SourceRate, IsTheOneAtWhichTheSourceRuns) {
+    config::Rig rig;
+    rig.rate_hz = 30.0;
+    SiteNodeConfig config;
+    config.capture.source = "recording";
+    EXPECT_EQ(source_rate_text(config, rig), "30");
+    config.capture.every = 4;
+    EXPECT_EQ(source_rate_text(config, rig), "7.5");
+    config.capture.rate_hz = 15.0;
+    EXPECT_EQ(source_rate_text(config, rig), "15") << "of the pictures that are taken";
+    config.capture.as_fast_as_possible = true;
+    EXPECT_EQ(source_rate_text(config, rig), "unpaced");
 }
 
 }  // namespace

@@ -55,9 +55,19 @@ TEST(RunLimit, FailsIfNobodyComes) {
 
 TEST(RunLimit, SaysWhereToLookForThePeople) {
     const std::string cure =
-        RunLimit::cure("world=lab1 domain=0 network=lan other_worlds=labl did_you_mean=labl");
+        RunLimit::cure("world=lab1 domain=0 network=lan other_worlds=labl did_you_mean=labl", {});
     EXPECT_THAT(cure, testing::HasSubstr("this viewer is in world=lab1"));
     EXPECT_THAT(cure, testing::HasSubstr("did_you_mean=labl"));
+}
+
+TEST(RunLimit, SaysThatSitesPublishNothingYet) {
+    EXPECT_THAT(
+        RunLimit::cure("world=lab1", {"lab"}),
+        testing::HasSubstr("in world=lab1, where lab is a site and publishes nothing yet: a "
+                           "site without pictures of the empty room learns it"));
+    EXPECT_THAT(RunLimit::cure("world=lab1", {"a", "b"}),
+                testing::AllOf(testing::HasSubstr("a, b are sites and publish nothing yet"),
+                               testing::HasSubstr("wait longer with --wait_timeout_s")));
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "core/presence/join_world.hpp"
 #include "tests/unit/viewer/viewer_run.hpp"
 
 #include <gmock/gmock.h>
@@ -35,6 +36,23 @@ TEST_F(ViewerRun, VideoBeginsWithTheAwaitedPeople) {
     cv::Mat first;
     ASSERT_TRUE(video.read(first));
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(first.at<cv::Vec3b>(90, 160)[i], 230, 12);
+}
+
+// As one that learns the empty room.
+TEST_F(ViewerRun, NamesASiteThatPublishesNothingYet) {
+    config_.wait_people = 1;
+    config_.wait_timeout_s = 2.0;
+    const auto member = presence::join_world(
+        *participant_, bus::ProgramKind::kSiteNode, "cellar", [](const Error&) {}, {});
+    ASSERT_TRUE(member) << member.error().message;
+    start();
+    thread_.join();
+    ASSERT_FALSE(result_);
+    EXPECT_EQ(result_.error().kind, ErrorKind::kUnavailable);
+    EXPECT_THAT(result_.error().message,
+                testing::AllOf(testing::HasSubstr("only 0 of 1 people came within 2 s"),
+                               testing::HasSubstr("cellar is a site and publishes nothing yet"),
+                               testing::HasSubstr("--wait_timeout_s")));
 }
 
 TEST_F(ViewerRun, ReportsUnwritableFilesBeforeTheFirstPicture) {

@@ -64,6 +64,26 @@ TEST_F(ViewerRun, ShowsAPersonAndForgetsItWithItsSite) {
     EXPECT_GT(std::abs(centre_of_output()[2] - 230), 10);
 }
 
+// The site stands away from the point at which a viewer looks in an empty world.
+TEST_F(ViewerRun, FramesTheFirstPersonIfNoViewIsGiven) {
+    config_.view.position_m.clear();
+    config_.view.target_m.clear();
+    config_.wait_people = 1;
+    auto placements = writer<bus::SitePlacement>();
+    bus::SitePlacement placement;
+    placement.site = "alice";
+    placement.world_from_site.rotation =
+        Eigen::AngleAxisd(-1.5707963267948966, Eigen::Vector3d::UnitZ());
+    placement.world_from_site.translation = {-4.0, 3.0, 0.0};
+    ASSERT_TRUE(placements.write(placement));
+    start();
+    Site alice(*this);
+    ASSERT_TRUE(show(alice, 3));
+    finish();
+    ASSERT_TRUE(result_) << result_.error().message;
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(centre_of_output()[i], 230, 6);
+}
+
 TEST_F(ViewerRun, WritesNamesOverHeadsOnRequest) {
     config_.view.position_m = "6,0,1.2";
     config_.view.width = 640;

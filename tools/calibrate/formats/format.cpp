@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <fnmatch.h>
 
 #include <algorithm>
 #include <array>
@@ -11,8 +12,6 @@ namespace atrium::calibrate {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kMaxCameras = 64;
 
 std::string suffix_of(const fs::path& file) {
     std::string suffix = file.extension().string();
@@ -81,12 +80,17 @@ Expected<ForeignRig> read(const Files& files, Format format) {
 }
 
 // Names become folders and keys: A-Z a-z 0-9 _ . - of at most 63 characters.
+std::string with_valid_letters(const std::string& original) {
+    std::string name = original.substr(0, 60);
+    for (char& c : name)
+        if (!config::is_valid_name(std::string(1, c))) c = '_';
+    return name;
+}
+
 void make_names_valid(ForeignRig& rig) {
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
         const std::string original = rig.cameras[i].name;
-        std::string name = original.substr(0, 60);
-        for (char& c : name)
-            if (!config::is_valid_name(std::string(1, c))) c = '_';
+        std::string name = with_valid_letters(original);
         if (name.empty() || name == "." || name == "..") name = fmt::format("cam{}", i);
         const auto is_taken = [&](const std::string& wanted) {
             return std::any_of(rig.cameras.begin(),
@@ -99,6 +103,37 @@ void make_names_valid(ForeignRig& rig) {
             rig.notes.push_back(fmt::format("camera '{}' is called '{}' here", original, free));
         rig.cameras[i].name = free;
     }
+}
+
+// As it is in the file, or as it is called here.
+bool matches_name(const std::string& pattern, const std::string& name) {
+    return fnmatch(pattern.c_str(), name.c_str(), 0) == 0 ||
+           fnmatch(pattern.c_str(), with_valid_letters(name).c_str(), 0) == 0;
+}
+
+Expected<void> select_cameras(ForeignRig& rig, const std::vector<std::string>& patterns) {
+    if (patterns.empty()) return {};
+    for (const std::string& pattern : patterns) {
+        if (std::ranges::any_of(rig.cameras, [&](const ForeignCamera& camera) {
+                return matches_name(pattern, camera.name);
+            }))
+            continue;
+        constexpr std::size_t kNamed = 12;
+        std::vector<std::string> names;
+        for (const ForeignCamera& camera : rig.cameras)
+            if (names.size() < kNamed) names.push_back(camera.name);
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("--cameras {}: no camera has this name; the calibration has "
+                                      "{}{}",
+                                      pattern,
+                                      fmt::join(names, ", "),
+                                      rig.cameras.size() > kNamed ? ", ..." : ""));
+    }
+    keep_cameras(rig, [&](const std::string& name) {
+        return std::ranges::any_of(
+            patterns, [&](const std::string& pattern) { return matches_name(pattern, name); });
+    });
+    return {};
 }
 
 tl::unexpected<Error> incomplete(const ForeignRig& rig, const std::string& where) {
@@ -172,7 +207,26 @@ Expected<Files> with_folders_opened(const Files& files) {
     return result;
 }
 
-Expected<ForeignRig> read_foreign(const Files& files, const std::string& format) {
+tl::unexpected<Error> too_many_cameras(const std::string& where) {
+    return make_error(
+        ErrorKind::kInvalidData,
+        fmt::format(
+            "{}: more than {} cameras; give the files of one room", where, kMaxCamerasRead));
+}
+
+void keep_cameras(ForeignRig& rig, const std::function<bool(const std::string&)>& is_wanted) {
+    for (const ForeignCamera& camera : rig.cameras) {
+        if (is_wanted(camera.name)) continue;
+        const std::string start = fmt::format("camera '{}'", camera.name);
+        std::erase_if(rig.notes, [&](const std::string& note) { return note.starts_with(start); });
+    }
+    std::erase_if(rig.cameras,
+                  [&](const ForeignCamera& camera) { return !is_wanted(camera.name); });
+}
+
+Expected<ForeignRig> read_foreign(const Files& files,
+                                  const std::string& format,
+                                  const std::vector<std::string>& wanted) {
     std::optional<Format> known = format_of(format);
     for (const fs::path& file : files) {
         if (format_of(format)) break;
@@ -191,15 +245,20 @@ Expected<ForeignRig> read_foreign(const Files& files, const std::string& format)
     auto rig = read(files, *known);
     if (!rig) return rig;
     const std::string where = files.front().string();
-    if (rig->cameras.size() < 2 || rig->cameras.size() > kMaxCameras) {
+    if (rig->cameras.size() > kMaxCamerasRead) return too_many_cameras(where);
+    if (auto selected = select_cameras(*rig, wanted); !selected)
+        return tl::unexpected(selected.error());
+    if (rig->cameras.size() < 2) {
         return make_error(
             ErrorKind::kConfiguration,
-            fmt::format("{}: {} cameras found as {}; a rig has 2 to {}: give the files of all "
-                        "cameras, or another --format{}{}",
+            fmt::format("{}: {} cameras found as {}{}; a rig has 2 to {}: give the files of all "
+                        "cameras, or another --{}{}{}",
                         where,
                         rig->cameras.size(),
                         rig->format,
+                        wanted.empty() ? "" : " with the names of --cameras",
                         kMaxCameras,
+                        wanted.empty() ? "format" : "cameras",
                         rig->problems.empty() ? "" : "; ",
                         fmt::join(rig->problems, "; ")));
     }

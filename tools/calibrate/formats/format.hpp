@@ -5,7 +5,9 @@
 #include "tools/calibrate/formats/data_tree.hpp"
 #include "tools/calibrate/formats/foreign_rig.hpp"
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,9 +24,24 @@ enum class Format : std::uint8_t { kOpenCv, kQualisys, kVicon, kColmap, kToml, k
 const std::vector<std::string>& format_names();
 std::optional<Format> format_of(const std::string& name);
 
+/// Most cameras of a rig, as in core/config/rig.cpp.
+inline constexpr std::size_t kMaxCameras = 64;
+/// Most cameras of a calibration, of which a rig may take some.
+inline constexpr std::size_t kMaxCamerasRead = 1024;
+
 /// Reads all files as one rig, of the format with this name; "auto" finds it from the content.
-/// Several files may each hold some cameras, or some values of each camera.
-Expected<ForeignRig> read_foreign(const Files& files, const std::string& format);
+/// Several files may each hold some cameras, or some values of each camera. Keeps the cameras whose
+/// names match one of `wanted`, patterns of a shell such as "00_*"; empty: all, 2 at least. Error
+/// kConfiguration for a pattern that no name matches.
+Expected<ForeignRig> read_foreign(const Files& files,
+                                  const std::string& format,
+                                  const std::vector<std::string>& wanted = {});
+
+/// For more than `kMaxCamerasRead` in a file: kInvalidData.
+tl::unexpected<Error> too_many_cameras(const std::string& where);
+
+/// Removes all cameras but those that `is_wanted` names, and the notes on them.
+void keep_cameras(ForeignRig& rig, const std::function<bool(const std::string&)>& is_wanted);
 
 /// Replaces each folder that is no model of COLMAP by the calibration files in it, in the order of
 /// their names. Error kConfiguration for a folder without any.

@@ -44,7 +44,6 @@ constexpr Keys kHeight{"image_height", "height", "H"};
 constexpr Keys kSize{"image_size", "imageSize", "img_size", "size", "resolution"};
 constexpr Keys kName{"camera_name", "name", "camera_id", "cameraId", "id", "serial"};
 constexpr Keys kModel{"distortion_model", "camera_model", "model"};
-constexpr std::size_t kMaxFound = 256;
 
 // Values of one camera, from one or more files.
 struct Found {
@@ -75,9 +74,7 @@ public:
         for (const std::string& suffix : suffixes(tree)) add_keys(tree, suffix, suffix.substr(1));
         if (found_some_) return {};
         add_map(tree, file.stem().string(), 0);
-        if (cameras_.size() > kMaxFound)
-            return make_error(ErrorKind::kInvalidData,
-                              fmt::format("{}: more than {} cameras", where_, kMaxFound));
+        if (cameras_.size() > kMaxCamerasRead) return too_many_cameras(where_);
         return {};
     }
 
@@ -169,7 +166,7 @@ private:
 
     // A map with the keys of a camera, or maps or lists of those.
     void add_map(const Tree& tree, const std::string& name, int depth) {
-        if (depth > 3 || cameras_.size() > kMaxFound) return;
+        if (depth > 3 || cameras_.size() > kMaxCamerasRead) return;
         const auto has = [&](Keys keys) {
             const Tree* value = find(tree, keys);
             return value != nullptr && numbers(*value).has_value();
@@ -190,7 +187,7 @@ private:
         } else if (tree.is_object()) {
             for (const auto& [key, child] : tree.items()) add_map(child, key, depth + 1);
         } else if (tree.is_array()) {
-            for (std::size_t i = 0; i < tree.size() && i <= kMaxFound; ++i)
+            for (std::size_t i = 0; i < tree.size() && i <= kMaxCamerasRead; ++i)
                 if (tree[i].is_object()) add_map(tree[i], fmt::format("cam{}", i), depth + 1);
         }
     }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 
 namespace atrium::calibrate {
@@ -295,6 +296,23 @@ Eigen::Vector3d axis_vector(const std::string& name) {
     const std::size_t axis = letters.size() == 2 ? std::string("XYZxyz").find(letters[1]) : 6;
     if (axis >= 6 || (letters[0] != '+' && letters[0] != '-')) return Eigen::Vector3d::Zero();
     return (letters[0] == '+' ? 1.0 : -1.0) * Eigen::Vector3d::Unit(static_cast<int>(axis % 3));
+}
+
+Eigen::Vector3d up_vector(const std::string& text) {
+    if (const Eigen::Vector3d axis = axis_vector(text); !axis.isZero()) return axis;
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+    const char* at = text.data();
+    const char* const end = text.data() + text.size();
+    for (int i = 0; i < 3; ++i) {
+        if (i > 0 && (at == end || *at++ != ',')) return Eigen::Vector3d::Zero();
+        while (at != end && (*at == ' ' || *at == '+')) ++at;
+        const auto [next, failure] = std::from_chars(at, end, direction[i]);
+        if (failure != std::errc{} || !(std::abs(direction[i]) <= 1e6))
+            return Eigen::Vector3d::Zero();
+        at = next;
+    }
+    if (at != end || direction.norm() < 1e-6) return Eigen::Vector3d::Zero();
+    return direction.normalized();
 }
 
 Eigen::Quaterniond upright_from(const Eigen::Vector3d& up) {

@@ -77,6 +77,10 @@ UpChoice choose_up(std::span<const geometry::CalibratedCamera> cameras);
 /// Unit vector of "+X", "-X", ... "-Z" (or "X"); the zero vector for anything else.
 Eigen::Vector3d axis_vector(const std::string& name);
 
+/// Unit vector of an axis, as `axis_vector`, or of three numbers, as "0.1,-0.98,0.2"; the zero
+/// vector for anything else.
+Eigen::Vector3d up_vector(const std::string& text);
+
 /// The rotation that takes `up` to +Z. Keeps X where it can.
 Eigen::Quaterniond upright_from(const Eigen::Vector3d& up);
 

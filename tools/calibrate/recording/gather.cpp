@@ -2,6 +2,7 @@
 
 #include "tools/calibrate/recording/instants.hpp"
 #include "tools/calibrate/recording/mask_checks.hpp"
+#include "tools/calibrate/recording/matching.hpp"
 #include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace atrium::calibrate {
 namespace {
@@ -134,7 +134,8 @@ Expected<void> Gatherer::gather_frames() {
     if (!material_.missing.empty()) {
         problem(fmt::format(
             "{} of {} cameras left out, because {} has no pictures of {}{}; a hull from fewer "
-            "cameras is thicker: copy the pictures there, or give their folder the camera's name",
+            "cameras is thicker: copy the pictures there, give their folder the camera's name, or "
+            "leave these cameras out with --cameras",
             material_.missing.size(),
             cameras_.size() - material_.left_out.size(),
             folders_.frames.string(),
@@ -165,7 +166,6 @@ void Gatherer::report_truncated(const std::string& camera, const Shots& shots) {
 }
 
 Expected<void> Gatherer::look_at_all() {
-    std::size_t most = 0;
     std::size_t first = std::numeric_limits<std::size_t>::max();
     for (const auto& [camera, shots] : material_.frames) {
         auto look = look_at(shots);
@@ -179,7 +179,6 @@ Expected<void> Gatherer::look_at_all() {
         report_truncated(camera, shots);
         if (!shots.is_video) first = std::min(first, shots.pictures.begin()->first);
         fewest_ = std::min(fewest_, look->num_frames);
-        most = std::max(most, look->num_frames);
         if (look->rate_hz > 0.0) {
             if (material_.rate_hz > 0.0 &&
                 std::abs(look->rate_hz / material_.rate_hz - 1.0) > 0.01) {
@@ -196,13 +195,8 @@ Expected<void> Gatherer::look_at_all() {
         material_.looks[camera] = *look;
     }
     if (first != std::numeric_limits<std::size_t>::max()) material_.first_frame = first;
-    if (fewest_ != most && first == std::numeric_limits<std::size_t>::max()) {
-        check(
-            fmt::format("instants: the videos have {} to {} pictures; picture N of every camera is "
-                        "taken as one instant, so all must begin at the same one",
-                        fewest_,
-                        most));
-    }
+    if (std::string doubt = doubt_of_lengths(material_.frames, material_.looks); !doubt.empty())
+        check(std::move(doubt));
     const Look& look = material_.looks.begin()->second;
     if (look.codec_rate_hz > 0.0 && std::abs(look.codec_rate_hz / look.rate_hz - 1.0) > 0.01) {
         check(

@@ -73,6 +73,37 @@ void count_by_one(std::map<std::string, Shots>& shots, const Numbering& numberin
     }
 }
 
+std::string doubt_of_lengths(const std::map<std::string, Shots>& frames,
+                             const std::map<std::string, Look>& looks) {
+    constexpr std::size_t kMaxNamed = 12;
+    std::size_t fewest = std::numeric_limits<std::size_t>::max();
+    std::size_t most = 0;
+    for (const auto& [camera, shots] : frames) {
+        if (!shots.is_video) return {};
+        if (looks.at(camera).num_frames == 0) continue;  // unknown
+        fewest = std::min(fewest, looks.at(camera).num_frames);
+        most = std::max(most, looks.at(camera).num_frames);
+    }
+    if (fewest >= most) return {};
+    std::string shorter;
+    std::size_t num_shorter = 0;
+    for (const auto& [camera, look] : looks) {
+        if (look.num_frames == most || look.num_frames == 0 || ++num_shorter > kMaxNamed) continue;
+        shorter +=
+            fmt::format("{}'{}' has {}", shorter.empty() ? "" : ", ", camera, look.num_frames);
+    }
+    if (num_shorter > kMaxNamed) shorter += ", ...";
+    return fmt::format(
+        "instants: the videos have {} to {} pictures: {}. Picture N of every camera is taken as "
+        "one "
+        "instant, so all must begin at the same one; if a camera started late, cut the beginning "
+        "of "
+        "the others",
+        fewest,
+        most,
+        shorter);
+}
+
 Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames,
                                     const Numbering& files) {
     std::set<std::size_t> numbers;

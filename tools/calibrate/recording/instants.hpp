@@ -32,4 +32,9 @@ void count_by_one(std::map<std::string, Shots>& shots, const Numbering& numberin
 Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames,
                                     const Numbering& files = {});
 
+/// A sentence on videos of different lengths, with the cameras that have fewer pictures; empty if
+/// all are alike, or not all cameras have videos. `looks` are of the same cameras.
+std::string doubt_of_lengths(const std::map<std::string, Shots>& frames,
+                             const std::map<std::string, Look>& looks);
+
 }  // namespace atrium::calibrate

@@ -1,6 +1,7 @@
 #include "tools/calibrate/recording/shots.hpp"
 
 #include "core/base/looked_up.hpp"
+#include "tools/calibrate/recording/name_parts.hpp"
 
 #include <fmt/format.h>
 
@@ -17,7 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr int kMaxFolders = 4;
 constexpr std::size_t kMaxFiles = 200'000;
-constexpr int kByName = 70;            // likeness of names, not only of numbers
 constexpr std::size_t kMaxAlone = 64;  // a folder with one picture per camera has no more
 constexpr std::array kVideos{
     ".avi", ".mp4", ".mkv", ".mov", ".m4v", ".webm", ".mpg", ".mpeg", ".wmv"};
@@ -44,40 +44,9 @@ const std::set<std::string> kMasks{"mask",
                                    "silhouette",
                                    "silhouettes"};
 
-std::string lower(std::string text) {
-    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-    return text;
-}
-
 bool has_suffix(const fs::path& file, std::span<const char* const> suffixes) {
     const std::string suffix = lower(file.extension().string());
     return std::ranges::any_of(suffixes, [&](const char* known) { return suffix == known; });
-}
-
-// Runs of letters, in lower case, and of digits, without leading zeros.
-std::vector<std::string> tokens(const std::string& text) {
-    std::vector<std::string> result;
-    char kind = ' ';
-    for (const char raw : text) {
-        const auto c = static_cast<unsigned char>(raw);
-        const char here = std::isdigit(c) != 0 ? '1' : std::isalpha(c) != 0 ? 'a' : ' ';
-        if (here != kind && here != ' ') result.emplace_back();
-        kind = here;
-        if (here == ' ') continue;
-        if (here == '1' && result.back() == "0") result.back().clear();
-        result.back() += static_cast<char>(std::tolower(c));
-    }
-    return result;
-}
-
-bool is_number(const std::string& token) {
-    return !token.empty() && std::isdigit(static_cast<unsigned char>(token.front())) != 0;
-}
-
-std::vector<std::string> parts_of(const std::string& label) {
-    std::vector<std::string> parts;
-    for (const fs::path& part : fs::path(label)) parts.push_back(part.string());
-    return parts;
 }
 
 bool has_word_of(const std::set<std::string>& words, const std::string& label) {
@@ -202,41 +171,6 @@ private:
     std::size_t num_files_ = 0;
 };
 
-// Tokens that all labels have at the same place from the start or from the end say nothing.
-std::vector<std::string> telling_tokens(const std::string& label,
-                                        const std::vector<std::string>& others) {
-    std::vector<std::string> own = tokens(label);
-    std::size_t front = own.size();
-    std::size_t back = own.size();
-    bool is_only = true;
-    for (const std::string& other : others) {
-        if (other == label) continue;
-        is_only = false;
-        const std::vector<std::string> theirs = tokens(other);
-        std::size_t same = 0;
-        while (same < std::min(own.size(), theirs.size()) && own[same] == theirs[same]) ++same;
-        front = std::min(front, same);
-        same = 0;
-        while (same < std::min(own.size(), theirs.size()) &&
-               own[own.size() - 1 - same] == theirs[theirs.size() - 1 - same])
-            ++same;
-        back = std::min(back, same);
-    }
-    if (is_only || front + back >= own.size()) return own;
-    return {own.begin() + static_cast<std::ptrdiff_t>(front),
-            own.end() - static_cast<std::ptrdiff_t>(back)};
-}
-
-bool contains_run(const std::vector<std::string>& all, const std::vector<std::string>& run) {
-    return !run.empty() && !std::ranges::search(all, run).empty();
-}
-
-std::string joined(const std::vector<std::string>& words) {
-    std::string text;
-    for (const std::string& word : words) text += word;
-    return text;
-}
-
 }  // namespace
 
 Expected<std::vector<Shots>> find_shots(const fs::path& folder) {
@@ -247,77 +181,6 @@ Expected<std::vector<Shots>> find_shots(const fs::path& folder) {
             fmt::format("{}: no such folder{}", folder.string(), looked_up_from(folder)));
     }
     return Search(folder).run();
-}
-
-int likeness(const std::string& camera,
-             const std::string& label,
-             const std::vector<std::string>& others,
-             const std::vector<std::string>& cameras) {
-    const std::vector<std::string> name = tokens(camera);
-    const std::vector<std::string> telling = telling_tokens(label, others);
-    int best = 0;
-    // "left" of "cam_left.json" and "left" of "take2_left.mp4"
-    if (!cameras.empty() && !telling.empty() && telling == telling_tokens(camera, cameras))
-        best = 85;
-    for (const std::string& part : parts_of(label)) {
-        if (lower(part) == lower(camera)) return 100;
-        if (joined(tokens(part)) == joined(name) && !name.empty()) best = std::max(best, 90);
-        if (name.size() > 1 && contains_run(tokens(part), name)) best = std::max(best, 80);
-    }
-    if (contains_run(telling, name)) best = std::max(best, 70);
-    const auto number = std::find_if(name.rbegin(), name.rend(), is_number);
-    if (number != name.rend() && std::ranges::find(telling, *number) != telling.end())
-        best = std::max(best, 50);
-    return best;
-}
-
-Expected<Matches> match_shots(const std::vector<std::string>& cameras,
-                              const std::vector<Shots>& shots) {
-    std::vector<std::string> labels;
-    for (const Shots& one : shots)
-        if (!one.is_alone) labels.push_back(one.label);
-    const std::vector<std::string> none;  // what tells single pictures apart is no camera's name
-    Matches matches;
-    std::map<std::string, std::string> taken;  // label -> camera
-    for (const std::string& camera : cameras) {
-        int best = 0;
-        std::vector<const Shots*> fitting;
-        for (const Shots& one : shots) {
-            const int like = likeness(camera, one.label, labels, one.is_alone ? none : cameras);
-            // the number of one picture is that of a frame; and a whole folder goes before it
-            if (one.is_alone && like < kByName) continue;
-            const int points = 2 * like - (one.is_alone ? 1 : 0);
-            if (points < 2 || points < best) continue;
-            if (points > best) fitting.clear();
-            best = points;
-            fitting.push_back(&one);
-        }
-        if (fitting.empty()) {
-            matches.missing.push_back(camera);
-            continue;
-        }
-        const Shots& chosen = *fitting.front();
-        if (fitting.size() > 1) {
-            return make_error(ErrorKind::kConfiguration,
-                              fmt::format("camera '{}' may be '{}' or '{}'; name the folder of one "
-                                          "recording, move other pictures away, or give the "
-                                          "pictures the names of the cameras; an empty room is "
-                                          "given with --background",
-                                          camera,
-                                          chosen.label,
-                                          fitting[1]->label));
-        }
-        if (const auto [former, is_new] = taken.emplace(chosen.label, camera); !is_new) {
-            return make_error(ErrorKind::kConfiguration,
-                              fmt::format("'{}' fits both camera '{}' and camera '{}'; give the "
-                                          "pictures the names of the cameras",
-                                          chosen.label,
-                                          former->second,
-                                          camera));
-        }
-        matches.by_camera[camera] = chosen;
-    }
-    return matches;
 }
 
 }  // namespace atrium::calibrate

@@ -30,22 +30,6 @@ struct Shots {
 /// Errors: kNotFound without such a folder, kInvalidData for more than 200,000 files.
 Expected<std::vector<Shots>> find_shots(const std::filesystem::path& folder);
 
-/// How surely a label is that of a camera: 0 not at all, 50 the same number, 100 the same name.
-/// `others` are all labels, `cameras` all cameras: what they have in common says nothing.
-int likeness(const std::string& camera,
-             const std::string& label,
-             const std::vector<std::string>& others,
-             const std::vector<std::string>& cameras = {});
-
-struct Matches {
-    std::map<std::string, Shots> by_camera;
-    std::vector<std::string> missing;  // cameras without pictures
-};
-/// Finds the pictures of each camera. Error kConfiguration, with the names, if a camera fits two or
-/// two cameras fit one.
-Expected<Matches> match_shots(const std::vector<std::string>& cameras,
-                              const std::vector<Shots>& shots);
-
 /// The first picture, and the numbers of pictures.
 struct Look {
     int width = 0;

@@ -53,6 +53,27 @@ TEST_F(UserKeys, AnswerWhenTheyHaveNoEffect) {
                 ElementsAre("nothing to remove here: select an object, or point at one"));
 }
 
+TEST_F(UserKeys, ReturnToTheStartThatTheViewerChose) {
+    const renderer::ViewCamera chosen{.position_m = {0, -2, 1}, .target_m = {0, 2, 1}};
+    const renderer::ViewCamera later{.position_m = {3, -2, 1}, .target_m = {3, 2, 1}};
+    const auto is_at = [&](const renderer::ViewCamera& view) {
+        return (control_.camera().position_m - view.position_m).norm() < 1e-9;
+    };
+    control_.set_start(chosen);
+    EXPECT_TRUE(is_at(chosen)) << "the user has not moved";
+    SurfaceEvents turn;
+    turn.motion.turn_px = {50.0, 0.0};
+    control_.move(turn, shown(), now_);
+    control_.set_start(later);
+    EXPECT_FALSE(is_at(chosen) || is_at(later)) << "the user has moved";
+    SurfaceEvents home;
+    home.reset_view = true;
+    control_.move(home, shown(), now_);
+    EXPECT_TRUE(is_at(later));
+    control_.set_start(chosen);
+    EXPECT_TRUE(is_at(chosen));
+}
+
 TEST_F(UserKeys, KeepAnObjectSelectedUntilItIsReallyRemoved) {
     EditNews news;
     news.saved_worlds.emplace();  // the server knows edits

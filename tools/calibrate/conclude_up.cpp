@@ -1,0 +1,132 @@
+#include "tools/calibrate/conclude_up.hpp"
+
+#include "tools/calibrate/judge/rig_judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::calibrate {
+namespace {
+
+constexpr double kDegrees = 57.29578;
+constexpr double kOff_deg = 5.0;     // more than the horizon of level pictures is wrong
+constexpr double kLying_deg = 45.0;  // people lie rather than lean
+constexpr double kAlongAxis_deg = 2.0;
+constexpr double kIsAxis_deg = 0.01;
+
+double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegrees;
+}
+
+// "0.00, 1.00, 0.00", without negative zeros.
+std::string numbers_text(const Eigen::Vector3d& v, int digits, const char* between) {
+    const double scale = std::pow(10.0, digits);
+    std::string text;
+    for (const double x : v)
+        text += fmt::format(
+            "{}{:.{}f}", text.empty() ? "" : between, std::round(scale * x) / scale + 0.0, digits);
+    return text;
+}
+
+std::string vector_text(const Eigen::Vector3d& v) { return "(" + numbers_text(v, 2, ", ") + ")"; }
+
+double tilt_deg(const UpChoice& found) { return std::asin(std::min(found.tilt, 1.0)) * kDegrees; }
+
+// The nearest axis, and how far it is from `v`.
+Eigen::Vector3d nearest_axis(const Eigen::Vector3d& v) {
+    int axis = 0;
+    v.cwiseAbs().maxCoeff(&axis);
+    return (v[axis] > 0.0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(axis);
+}
+
+// As --up takes it: "-Y" for an axis, else three numbers.
+std::string option_text(const Eigen::Vector3d& v) {
+    if (degrees_between(v, nearest_axis(v)) > kAlongAxis_deg) return numbers_text(v, 3, ",");
+    int axis = 0;
+    v.cwiseAbs().maxCoeff(&axis);
+    return {v[axis] > 0.0 ? '+' : '-', "XYZ"[axis]};
+}
+
+// What the user says, against the direction along which the pictures are upright.
+void compare(UpConclusion& result, const UpChoice& found, const std::string& said) {
+    const Eigen::Vector3d level = found.axis.empty() ? found.up : axis_vector(found.axis);
+    const double off_deg = degrees_between(*result.up, level);
+    if (!found.is_known || off_deg <= std::max(kOff_deg, tilt_deg(found))) return;
+    const std::string better =
+        fmt::format("say --up {}, or leave --up out",
+                    found.axis.empty() ? numbers_text(level, 3, ",") : found.axis);
+    if (off_deg < kLying_deg) {
+        result.checks.push_back(
+            fmt::format("up: {}, as you say, is {:.0f} degrees off the direction along which the "
+                        "pictures are upright; if people lean, {}",
+                        said,
+                        off_deg,
+                        better));
+        return;
+    }
+    result.problems.push_back(fmt::format(
+        "up: the pictures are upright along another direction, {} of the new frame, so people {}: "
+        "{}",
+        vector_text(upright_from(*result.up) * level),
+        off_deg > 180.0 - kLying_deg ? "stand on their heads" : "lie on their side",
+        better));
+}
+
+// The frame of the file stays, for +Z is up in every format that prescribes it.
+std::string text_of_kept(const UpChoice& found) {
+    return fmt::format(
+        "up: {}; +Z of the file is taken; if people lie or stand on their heads, say --up {}",
+        found.is_known ? "the pictures are level along " + vector_text(found.up)
+                       : "the cameras are tilted too differently to tell",
+        found.is_known ? option_text(found.up) : "+Y, -Y, ...");
+}
+
+}  // namespace
+
+UpConclusion conclude_up(const ForeignRig& foreign,
+                         std::span<const geometry::CalibratedCamera> cameras,
+                         const std::string& said) {
+    const UpChoice found = choose_up(cameras);
+    UpConclusion result;
+    if (!said.empty()) {
+        result.up = up_vector(said);
+        result.is_axis = degrees_between(*result.up, nearest_axis(*result.up)) < kIsAxis_deg;
+        result.told.push_back("up: " + said + ", as you say");
+        compare(result, found, said);
+        return result;
+    }
+    if (found.is_known && !found.axis.empty() && foreign.has_frame) {
+        result.up = up_vector(found.axis);
+        result.told.push_back(
+            fmt::format("up: {}{}: the pictures are level along it to {:.1f} degrees",
+                        found.axis,
+                        found.axis == foreign.up ? ", as documented" : "",
+                        tilt_deg(found)));
+    } else if (found.is_known && foreign.up.empty()) {
+        result.up = found.up;
+        result.is_axis = false;
+        result.told.push_back(fmt::format(
+            "up: the direction {} of the file, along which the pictures are level to {:.1f} "
+            "degrees",
+            vector_text(found.up),
+            tilt_deg(found)));
+        result.checks.push_back(
+            fmt::format("up: taken from the pictures' horizon, good to a degree or two: fine if "
+                        "people stand upright. If they lean, say which direction of the file is "
+                        "up: --up X,Y,Z; now it is --up {}",
+                        numbers_text(found.up, 3, ",")));
+    } else {
+        result.checks.push_back(text_of_kept(found));
+        return result;
+    }
+    if (foreign.up.empty() && found.other_up) {
+        result.checks.push_back(
+            fmt::format("up: if the cameras lie on their side, up is about {0}: say --up {0}",
+                        option_text(*found.other_up)));
+    }
+    return result;
+}
+
+}  // namespace atrium::calibrate

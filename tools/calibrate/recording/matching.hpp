@@ -1,0 +1,30 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "tools/calibrate/recording/shots.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+/// Finds the pictures of each camera by name.
+namespace atrium::calibrate {
+
+/// How surely a label is that of a camera: 0 not at all, 50 the same number, 100 the same name.
+/// `others` are all labels, `cameras` all cameras: what they have in common says nothing.
+int likeness(const std::string& camera,
+             const std::string& label,
+             const std::vector<std::string>& others,
+             const std::vector<std::string>& cameras = {});
+
+struct Matches {
+    std::map<std::string, Shots> by_camera;
+    std::vector<std::string> missing;  // cameras without pictures
+};
+/// Matches whole names first: a folder or file with the name of exactly one camera, as "hd_00_04"
+/// has that of "00_04", belongs to it. The cameras and pictures that are left go by `likeness`.
+/// Error kConfiguration, with the names, if a camera fits two or two cameras fit one.
+Expected<Matches> match_shots(const std::vector<std::string>& cameras,
+                              const std::vector<Shots>& shots);
+
+}  // namespace atrium::calibrate
