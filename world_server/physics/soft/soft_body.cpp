@@ -35,6 +35,7 @@ SoftBody::SoftBody(const SoftObject& object, btSoftBodyWorldInfo& info, const Wo
     contact_setup_.tick_s = btScalar(options.tick_s);
     contact_setup_.friction = btScalar(object.friction);
     contact_setup_.person_friction = btScalar(options.people.contacts.friction);
+    contact_setup_.calm_mps = options.soft.calm_mps;
     contact_setup_.thickness_m = btScalar(0.005);
     if (object.shape == SoftShape::kCloth) {
         contact_setup_.thickness_m = btScalar(std::max(0.005, object.size_m.z() / 2.0));
@@ -141,6 +142,7 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
         if (!meets) people = nullptr;
     }
     SoftSkin skin{.samples = samples_, .loose = loose_};
+    skin.is_calm = is_calm() && motors_.empty();
     if (volume_) {
         skin.outward = volume_->outward();
         skin.depth_m = volume_->inner_radius_m();
@@ -211,6 +213,7 @@ void SoftBody::end_tick() {
     anchors_.limit(taut_, options_.soft.links.snap_mps);
     // each end of a link can have gained the other's speed
     limit_speeds();
+    if (!is_calm()) contacts_.wake_bodies();
     const btScalar extent = (body_->m_bounds[1] - body_->m_bounds[0]).length();
     num_torn_ticks_ = extent > options_.soft.torn_extents * rest_extent_ ? num_torn_ticks_ + 1 : 0;
 }
@@ -300,8 +303,7 @@ void SoftBody::damp_links(btScalar seconds) {
     }
 }
 
-// Brings slow objects to rest. Otherwise they would roll and sway for minutes.
-void SoftBody::calm_down(btScalar seconds) {
+bool SoftBody::is_calm() const {
     btScalar mass = 0, energy = 0;
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         const btSoftBody::Node& node = body_->m_nodes[i];
@@ -310,7 +312,12 @@ void SoftBody::calm_down(btScalar seconds) {
         energy += node.m_v.length2() / node.m_im;
     }
     const btScalar calm_mps = options_.soft.calm_mps;
-    if (energy > calm_mps * calm_mps * mass) return;
+    return energy <= calm_mps * calm_mps * mass;
+}
+
+// Brings slow objects to rest. Otherwise they would roll and sway for minutes.
+void SoftBody::calm_down(btScalar seconds) {
+    if (!is_calm()) return;
     const btScalar kept = std::exp(-options_.soft.calm_damping_hz * seconds);
     for (int i = 0; i < body_->m_nodes.size(); ++i) body_->m_nodes[i].m_v *= kept;
 }
