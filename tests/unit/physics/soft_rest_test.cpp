@@ -107,5 +107,87 @@ TEST_F(SoftRest, EndsWhenTheClothSwings) {
     EXPECT_GT((stage.rigid(8).world_from_object.translation - before).norm(), 0.02);
 }
 
+TEST_F(SoftRest, BoxOnAClothOnATable) {
+    ASSERT_EQ(stage.world.add(table()), AddResult::kAdded);
+    ASSERT_EQ(stage.world.add_soft(tablecloth_at({-0.2, 0.0, 0.75})), AddResult::kAdded);
+    for (const double mass_kg : {0.1, 2.0}) {
+        stage.world.remove(8);
+        RigidObject box{.id = 8, .size_m = {0.2, 0.2, 0.1}, .mass_kg = mass_kg};
+        box.world_from_object.translation = {-0.2, 0.0, 0.82};
+        ASSERT_EQ(stage.world.add(box), AddResult::kAdded);
+        stage.run(10.0);
+        const Eigen::Vector3d place = stage.rigid(8).world_from_object.translation;
+        EXPECT_NEAR(place.z(), 0.8, 0.003) << mass_kg;
+        EXPECT_LT((place - Eigen::Vector3d(-0.2, 0.0, place.z())).norm(), 0.06) << mass_kg;
+        EXPECT_TRUE(sleeps(8)) << mass_kg;
+        EXPECT_LT(stage.fastest_mps(), 0.005) << mass_kg;
+    }
+}
+
+TEST_F(SoftRest, BoxInAHammock) {
+    SoftObject hammock = tablecloth_at({0.0, 0.0, 0.8});
+    hammock.pins = {{PinPlace::kLeft}, {PinPlace::kRight}};
+    ASSERT_EQ(stage.world.add_soft(hammock), AddResult::kAdded);
+    RigidObject box{.id = 8, .size_m = {0.2, 0.2, 0.1}, .mass_kg = 0.3};
+    box.world_from_object.translation.z() = 0.87;
+    ASSERT_EQ(stage.world.add(box), AddResult::kAdded);
+    stage.run(10.0);
+    const Eigen::Vector3d place = stage.rigid(8).world_from_object.translation;
+    EXPECT_LT(place.head<2>().norm(), 0.02);
+    EXPECT_NEAR(place.z(), 0.8, 0.05);
+    EXPECT_TRUE(sleeps(8));
+}
+
+// A board on a soft box, asleep.
+class BoardOnASoftBox : public SoftRest {
+protected:
+    static constexpr std::uint32_t kBoard = 8;
+    BoardOnASoftBox() {
+        SoftObject box = ball_at({0, 0, 0.1});
+        box.shape = SoftShape::kBox;
+        box.size_m = {0.5, 0.5, 0.2};
+        box.spacing_m = 0.05;
+        box.stiffness = 1.0;
+        box.mass_kg = 2.0;
+        stage.world.add_soft(box);
+        stage.world.add({.id = kBoard,
+                         .size_m = {0.2, 0.2, 0.03},
+                         .mass_kg = 0.2,
+                         .world_from_object = {Eigen::Quaterniond::Identity(), {0, 0, 0.24}}});
+        stage.run(20.0);
+    }
+    double height_m() { return stage.rigid(kBoard).world_from_object.translation.z(); }
+};
+
+TEST_F(BoardOnASoftBox, FallsWhenTheBoxIsThrownAway) {
+    ASSERT_TRUE(sleeps(kBoard));
+    ASSERT_GT(height_m(), 0.15);
+    stage.throw_soft(kSoft, {6, 0, -1});
+    stage.run(2.0);
+    EXPECT_NEAR(height_m(), 0.015, 0.003);
+}
+
+TEST_F(BoardOnASoftBox, FallsWhenABallKnocksTheBoxAway) {
+    ASSERT_TRUE(sleeps(kBoard));
+    RigidObject ball{.id = 9, .shape = ObjectShape::kSphere, .size_m = {0.2, 0.2, 0.2}};
+    ball.mass_kg = 20.0;
+    ball.world_from_object.translation = {-0.4, 0, 0.1};
+    ASSERT_EQ(stage.world.add(ball), AddResult::kAdded);
+    RigidState state = stage.rigid(9);
+    state.linear_velocity = {10, 0, 0};
+    ASSERT_TRUE(stage.world.set_state(state));
+    stage.run(2.0);
+    EXPECT_NEAR(height_m(), 0.015, 0.003);
+}
+
+TEST_F(BoardOnASoftBox, WakesWhenAViewerPullsAtTheBox) {
+    ASSERT_TRUE(sleeps(kBoard));
+    ASSERT_TRUE(stage.world.grab("viewer", kSoft, {0.15, 0, 0.1}, {0.15, 0, 0.1}));
+    stage.run(0.1);
+    ASSERT_TRUE(stage.world.move_grab("viewer", kSoft, {1.0, 0, 0.1}));
+    stage.run(2.0);
+    EXPECT_GT(stage.rigid(kBoard).world_from_object.translation.head<2>().norm(), 0.02);
+}
+
 }  // namespace
 }  // namespace atrium::physics

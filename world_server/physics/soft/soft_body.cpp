@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 
 namespace atrium::physics {
 namespace {
@@ -35,7 +36,6 @@ SoftBody::SoftBody(const SoftObject& object, btSoftBodyWorldInfo& info, const Wo
     contact_setup_.tick_s = btScalar(options.tick_s);
     contact_setup_.friction = btScalar(object.friction);
     contact_setup_.person_friction = btScalar(options.people.contacts.friction);
-    contact_setup_.calm_mps = options.soft.calm_mps;
     contact_setup_.thickness_m = btScalar(0.005);
     if (object.shape == SoftShape::kCloth) {
         contact_setup_.thickness_m = btScalar(std::max(0.005, object.size_m.z() / 2.0));
@@ -153,6 +153,11 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
         if (!anchors_.is_attached_to(*body)) loose_bodies_.push_back(body);
     contacts_.find(*body_, skin, people, loose_bodies_, contact_setup_);
     anchors_.begin_tick(anchored);
+    const std::vector<const btRigidBody*>& standing = surroundings.standing;
+    contacts_.visit_bodies([&](btRigidBody& body) {
+        const auto less = std::less<const btRigidBody*>();
+        if (!std::binary_search(standing.begin(), standing.end(), &body, less)) anchored.add(body);
+    });
     motors_.begin_tick(*body_);
 }
 

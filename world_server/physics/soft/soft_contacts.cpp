@@ -312,7 +312,8 @@ void SoftContacts::end_substep(btSoftBody& soft,
         const btVector3 velocity = velocity_of(c);
         c.shift += c.normal.dot(velocity - c.velocity) * substep_s;
         if (c.normal_correction <= 0) continue;
-        const bool moves = !is_calm_ || c.velocity.length2() > setup.calm_mps * setup.calm_mps;
+        const btScalar still_mps = setup.options.still_mps;
+        const bool moves = !is_calm_ || c.velocity.length2() > still_mps * still_mps;
         if (c.body != nullptr && moves) c.body->activate();
         if (c.depth <= 0) continue;
         for (int i = 0; i < 3; ++i) {

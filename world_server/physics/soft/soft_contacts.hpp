@@ -43,7 +43,6 @@ struct SoftContactSetup {
     btScalar thickness_m = 0;  // thickness of the soft body on each side of its nodes
     btScalar friction = 0;     // of the soft body; pairs use the geometric mean
     btScalar person_friction = 0;
-    btScalar calm_mps = 0;  // a contact between surfaces that are slower wakes no body
 };
 
 /// The surface of a soft body for contact detection.
@@ -65,6 +64,8 @@ struct SoftSurroundings {
     const PeopleField* people = nullptr;  // at the start of the tick
     // at the end of the tick; triangle meshes among them are static
     std::vector<btRigidBody*> bodies;
+    // moving ones among them that touch a fixed one, in ascending order of address
+    std::vector<const btRigidBody*> standing;
 };
 
 /// Contacts of one soft body with people, rigid bodies and scenery, for one tick. The paths of all
@@ -90,6 +91,12 @@ public:
     /// penetration has added.
     void end_substep(btSoftBody& soft, btScalar substep_s, const SoftContactSetup& setup);
 
+    /// Calls `take` with each body that receives reactions, once or more often.
+    template <class Take>
+    void visit_bodies(Take&& take) const {
+        for (const SoftContact& contact : contacts_)
+            if (contact.body != nullptr) take(*contact.body);
+    }
     /// Wakes the sleeping bodies that it touches. Call after the last substep, if the soft body is
     /// no longer calm.
     void wake_bodies();
