@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 namespace atrium::world_server {
 namespace {
@@ -34,6 +35,52 @@ void doubt_textures(const WorldDescription& world, std::vector<std::string>& lin
                         model,
                         own.starts_with('*') ? "a picture inside the file" : own));
     }
+}
+
+std::string rgb(const Eigen::Vector3d& colour) {
+    return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", colour.x(), colour.y(), colour.z());
+}
+
+// Scenery is drawn in the colours of its file.
+void doubt_colours(const WorldDescription& world, std::vector<std::string>& lines) {
+    constexpr double kVisible = 0.02;
+    std::set<std::string> known;  // models
+    const auto look_at = [&](const std::string& name,
+                             const std::string& model,
+                             const std::string& own_texture,
+                             const std::vector<Eigen::Vector3d>& own,
+                             const Eigen::Vector3d& drawn) {
+        if (own.empty() || !own_texture.empty()) return;  // a texture replaces the colours
+        const bool is_drawn =
+            own.size() == 1 && (own.front() - drawn).cwiseAbs().maxCoeff() < kVisible;
+        if (is_drawn || !known.insert(model).second) return;
+        if (own.size() == 1) {
+            lines.push_back(
+                fmt::format("colour_not_drawn model={} name={} reason=\"its colour is "
+                            "{}, but that of its material is drawn, {}\" "
+                            "advice=\"write colour = {}\"",
+                            model,
+                            name,
+                            rgb(own.front()),
+                            rgb(drawn),
+                            rgb(own.front())));
+            return;
+        }
+        lines.push_back(
+            fmt::format("colour_not_drawn model={} name={} reason=\"its file has {} "
+                        "colours, but all of it is drawn in {}\" advice=\"a model has "
+                        "one colour: split it into objects, or give it a texture\"",
+                        model,
+                        name,
+                        own.size(),
+                        rgb(drawn)));
+    };
+    for (const WorldObject& object : world.objects) {
+        const Look& look = object.look;
+        look_at(object.name, look.model, look.own_texture, look.own_colours, look.colour);
+    }
+    for (const WorldSoftObject& soft : world.soft)
+        look_at(soft.name, soft.model, soft.own_texture, soft.own_colours, soft.colour);
 }
 
 std::string name_of(const WorldDescription& world, std::uint32_t id) {
@@ -120,6 +167,7 @@ void doubt_soft_models(const WorldDescription& world, std::vector<std::string>& 
 std::vector<std::string> doubts_about(const WorldDescription& world) {
     std::vector<std::string> lines;
     doubt_textures(world, lines);
+    doubt_colours(world, lines);
     doubt_joints(world, lines);
     doubt_anchors(world, lines);
     doubt_limits(world, lines);

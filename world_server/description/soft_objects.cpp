@@ -48,6 +48,7 @@ void read_model(config::TableReader& table, WorldSoftObject& soft) {
     const auto parts = model::load_model(file_of(table, file), soft.model_scale);
     if (!parts) return reject_model(table, parts.error());
     soft.own_texture = model::own_texture_of(*parts);
+    soft.own_colours = model::colours_of(*parts);
     geometry::TriangleMesh mesh = weld(*parts);
     if (mesh.vertices.size() > physics::kMaxSoftNodes) {
         return table.reject("model",
@@ -142,8 +143,8 @@ WorldSoftObject read_soft_object(
     table.read("stiffness", object.stiffness, {0.0, 1.0});
     table.read("damping_hz", object.damping_hz, {0.0, 100.0});
     table.read("friction", object.friction, {0.0, 10.0});
-    table.read("colour", soft.colour.data(), 3, {0.0, 1.0});
     read_texture(table, soft.texture);
+    read_colour(table, soft.texture, soft.own_colours, soft.colour);
     read_pose(table, object.world_from_object);
     read_pins(table, "pins", 0, object);
     if (table.has("tied") && !table.has("tied_to")) table.reject("tied", "needs tied_to");

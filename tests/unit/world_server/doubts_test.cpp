@@ -56,6 +56,34 @@ TEST_F(WorldDoubts, NameATextureOfAModelFileThatIsNotDrawn) {
                 ElementsAre(HasSubstr("texture_not_drawn")));
 }
 
+constexpr const char* kTwoColours =
+    "mtllib two.mtl\nv 0 0 0\nv 0.9 0 0\nv 0 0.9 0\nv 0 0 0.9\n"
+    "usemtl red\nf 1 3 2\nf 1 2 4\nusemtl green\nf 1 4 3\nf 2 3 4\n";
+
+TEST_F(WorldDoubts, NameColoursOfAModelFileThatAreNotDrawn) {
+    put("car.obj", kTwoColours);
+    put("two.mtl", "newmtl red\nKd 0.8 0.1 0.1\nnewmtl green\nKd 0.1 0.8 0.1\n");
+    const std::string car =
+        "[[object]]\nname = \"car\"\nshape = \"convex\"\nmodel = \"car.obj\"\nmass_kg = 1\n";
+    const auto undrawn = HasSubstr(
+        "colour_not_drawn model=car.obj name=car reason=\"its file has 2 colours, but all of it is "
+        "drawn in [0.70, 0.70, 0.70]\"");
+    EXPECT_THAT(doubts(car), ElementsAre(undrawn));
+    EXPECT_THAT(doubts(car + "material = \"plastic\"\n"), ElementsAre(HasSubstr("2 colours")));
+    EXPECT_THAT(doubts(car + "colour = [1, 1, 1]\n"), IsEmpty()) << "chosen";
+    EXPECT_THAT(doubts(car + "texture = \"own.png\"\n"), IsEmpty());
+    EXPECT_THAT(doubts("[[scenery]]\nname = \"s\"\nmodel = \"car.obj\"\n"), IsEmpty())
+        << "scenery has the colours of its file";
+    put("two.mtl", "newmtl red\nKd 0.8 0.1 0.1\nnewmtl green\nKd 0.8 0.1 0.1\n");
+    EXPECT_THAT(doubts(car), IsEmpty()) << "one colour is drawn";
+    EXPECT_THAT(doubts(car + "material = \"plastic\"\n"),
+                ElementsAre(AllOf(HasSubstr("its colour is [0.80, 0.10, 0.10], but that of its "
+                                            "material is drawn, [0.70, 0.10, 0.08]"),
+                                  HasSubstr("write colour = [0.80, 0.10, 0.10]"))));
+    put("two.mtl", "newmtl other\nKd 1 1 1\n");
+    EXPECT_THAT(doubts(car), IsEmpty()) << "the file states no colour";
+}
+
 TEST_F(WorldDoubts, NameAJointOutsideTheWorld) {
     const std::string joint = std::string(kRock) +
                               "texture = \"own.png\"\n[[joint]]\nkind = \"hinge\"\na = \"rock\"\n"
