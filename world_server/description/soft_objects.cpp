@@ -164,7 +164,10 @@ WorldSoftObject read_soft_object(
         for (const char* instead : {"diameter_m", "length_m"}) {
             if (key == "size_m" && !table.has(key) && table.has(instead)) key = instead;
         }
-        table.reject(key, std::string(problem->allowed));
+        std::string allowed(problem->allowed);
+        if (key == "spacing_m" && !table.has(key))
+            allowed += fmt::format("; the default is {:.2f} m", object.spacing_m);
+        table.reject(key, allowed);
     }
     return soft;
 }
