@@ -75,6 +75,7 @@ WorldObject read_object(config::TableReader& reader,
     WorldObject object;
     physics::RigidObject& rigid = object.rigid;
     rigid.id = id;
+    for (const char* key : {"fixed", "static"}) reader.forbid(key, "mass_kg = 0 makes it fixed");
     read_name(reader, object.name);
     rigid.shape = read_shape(reader);
     const bool has_model =
@@ -95,8 +96,8 @@ WorldObject read_object(config::TableReader& reader,
         read_mass(
             reader, material, physics::volume_m3(to_rigid(object)), " (0: fixed)", rigid.mass_kg);
     read_texture(reader, object.look.texture);
-    read_pose(reader, rigid.world_from_object);
     read_colour(reader, object.look.texture, object.look.own_colours, object.look.colour);
+    read_pose(reader, rigid.world_from_object);
     reader.read("friction", rigid.friction, {0.0, 10.0});
     reader.read("restitution", rigid.restitution, {0.0, 1.0});
     reader.read("rolling_friction_m", rigid.rolling_friction_m, {0.0, 1.0});

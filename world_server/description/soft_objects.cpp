@@ -139,7 +139,7 @@ WorldSoftObject read_soft_object(
     const Material material = read_material(table, materials);
     object.friction = material.friction;
     soft.colour = material.colour;
-    read_mass(table, material, physics::volume_m3(object), object.mass_kg);
+    read_mass(table, material, physics::volume_m3(object), "", object.mass_kg);
     table.read("stiffness", object.stiffness, {0.0, 1.0});
     table.read("damping_hz", object.damping_hz, {0.0, 100.0});
     table.read("friction", object.friction, {0.0, 10.0});
