@@ -84,6 +84,45 @@ TEST_F(WorldDoubts, NameColoursOfAModelFileThatAreNotDrawn) {
     EXPECT_THAT(doubts(car), IsEmpty()) << "the file states no colour";
 }
 
+// A tetrahedron of two meshes, whose materials have no names. `materials`: of the two, then of the
+// file.
+std::string tetrahedron_gltf(const std::string& first,
+                             const std::string& second,
+                             const std::string& materials) {
+    const std::string bytes =
+        "AAAAAAAAAAAAAAAAZmZmPwAAAAAAAAAAAAAAAGZmZj8AAAAAAAAAAAAAAABmZmY/AAACAA"
+        "EAAAABAAMAAAADAAIAAQACAAMA";
+    const auto mesh = [](int indices, const std::string& material) {
+        return R"({"primitives":[{"attributes":{"POSITION":0},"indices":)" +
+               std::to_string(indices) + material + "}]}";
+    };
+    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],)"
+           R"("nodes":[{"mesh":0},{"mesh":1}],"meshes":[)" +
+           mesh(1, first) + "," + mesh(2, second) + "]," + materials +
+           R"("buffers":[{"byteLength":72,"uri":"data:application/octet-stream;base64,)" + bytes +
+           R"("}],"bufferViews":[{"buffer":0,"byteLength":48},)"
+           R"({"buffer":0,"byteOffset":48,"byteLength":24}],"accessors":[)"
+           R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",)"
+           R"("min":[0,0,0],"max":[0.9,0.9,0.9]},)"
+           R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"},)"
+           R"({"bufferView":1,"byteOffset":12,"componentType":5123,"count":6,"type":"SCALAR"}]})";
+}
+
+TEST_F(WorldDoubts, NameColoursOfAGltfFile) {
+    const std::string car =
+        "[[object]]\nname = \"car\"\nshape = \"convex\"\nmodel = \"car.gltf\"\nmass_kg = 1\n";
+    const std::string two =
+        R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.8,0.1,0.1,1]}},)"
+        R"({"pbrMetallicRoughness":{"baseColorFactor":[0.05,0.05,0.05,1]}}],)";
+    put("car.gltf", tetrahedron_gltf(R"(,"material":0)", R"(,"material":1)", two));
+    EXPECT_THAT(doubts(car), ElementsAre(HasSubstr("name=car reason=\"its file has 2 colours")));
+    put("car.gltf", tetrahedron_gltf(R"(,"material":1)", R"(,"material":1)", two));
+    EXPECT_THAT(doubts(car + "material = \"steel\"\n"),
+                ElementsAre(HasSubstr("its colour is [0.05, 0.05, 0.05], but")));
+    put("car.gltf", tetrahedron_gltf("", "", ""));
+    EXPECT_THAT(doubts(car + "material = \"steel\"\n"), IsEmpty()) << "no material";
+}
+
 TEST_F(WorldDoubts, NameAJointOutsideTheWorld) {
     const std::string joint = std::string(kRock) +
                               "texture = \"own.png\"\n[[joint]]\nkind = \"hinge\"\na = \"rock\"\n"
