@@ -35,6 +35,15 @@ Expected<void> Scene::put(const bus::SceneObject& added, const ModelParts& parts
     rigid.parts = parts;
     if (parts && parts->size() == 1) rigid.shape = physics::ObjectShape::kConvex;
     if (const auto problem = physics::find_problem(rigid)) {
+        if (parts && problem->field == "size_m") {
+            const Eigen::Vector3d& s = rigid.size_m;
+            return refuse_command(
+                fmt::format("add: the model {}, it is {:.3g} x {:.3g} x {:.3g} m: change its scale",
+                            problem->allowed,
+                            s.x(),
+                            s.y(),
+                            s.z()));
+        }
         return refuse_command(fmt::format("add: {} {}", problem->field, problem->allowed));
     }
     if (!box_of(options_).contains(added.world_from_object.translation)) {

@@ -135,6 +135,13 @@ bool WorldServer::Impl::arrive(const std::string& site) {
                        position.x(),
                        position.y(),
                        position.z());
+        if (const std::string meant = sites.ask_meant(site); !meant.empty()) {
+            app::log::warn(
+                "site_not_named site={} reason=\"the world file has no [[site]] of this "
+                "name, so it stands on the ring around the origin; {}\"",
+                site,
+                meant);
+        }
         simulation.outbox().put(**placement);
         const auto& world_from_site = (*placement)->world_from_site;
         preparation.arrive(site, [this, world_from_site] {

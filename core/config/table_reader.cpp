@@ -207,6 +207,15 @@ void TableReader::reject(const std::string& key, const Error& error) {
     report(key, error.message, is_missing ? ErrorKind::kNotFound : ErrorKind::kConfiguration);
 }
 
+void TableReader::forbid(const std::string& key, const std::string& advice) {
+    if (node_->table == nullptr) return;
+    const auto& entries = node_->table->as_table();
+    const auto found = entries.find(key);
+    if (found == entries.end() || document_->first_problem) return;
+    document_->first_problem =
+        unknown(location(document_->name, found->second), node_->path + key, advice);
+}
+
 void TableReader::require(const std::string& key) {
     if (has(key)) return;
     reject(key, "is missing");
@@ -340,7 +349,7 @@ std::optional<Error> TableReader::misspelling() const {
     const auto& [node, missing] = document_->missing;
     if (node == nullptr || node->table == nullptr) return std::nullopt;
     for (const auto& [key, value] : node->table->as_table()) {
-        if (node->asked.contains(key) || !may_be_misspelling(key, missing)) continue;
+        if (node->asked.contains(key) || names_meant_by(key, {missing}).empty()) continue;
         return unknown(location(document_->name, value),
                        node->path + key,
                        "did you mean " + missing + ", which is missing?");

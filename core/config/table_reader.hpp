@@ -67,6 +67,9 @@ public:
     /// Returns the tables `[[key]]`; none if absent.
     std::vector<TableReader> tables(const std::string& key);
 
+    /// If the key is present, reports it as unknown, with advice. For likely mistakes.
+    void forbid(const std::string& key, const std::string& advice);
+
     /// Reports an error that the caller found in the value at `key`.
     void reject(const std::string& key, const std::string& what_is_allowed);
     /// Reports why the file that `key` names cannot be used: kNotFound if it is missing, else

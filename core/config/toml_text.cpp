@@ -62,6 +62,11 @@ std::string one_line(const toml::value& value) {
         for (const toml::value& item : value.as_array()) items.push_back(one_line(item));
         return fmt::format("[{}]", fmt::join(items, ", "));
     }
+    // the library writes 17 digits
+    if (value.is_floating()) {
+        const std::string number = fmt::format("{}", value.as_floating());
+        return number.find_first_of(".en") == std::string::npos ? number + ".0" : number;
+    }
     std::ostringstream text;
     text << toml::format(value, 0);
     std::string line = text.str();

@@ -46,6 +46,14 @@ Eigen::Vector3d colour_of(const aiMaterial& material) {
     return rgb.cwiseMax(0.0).cwiseMin(1.0);
 }
 
+// Assimp adds a material to parts without one: of that name, or for glTF white without a name.
+bool states_colour(const aiMaterial& material) {
+    aiString name;
+    material.Get(AI_MATKEY_NAME, name);
+    if (name.length > 0) return std::string_view(name.C_Str()) != AI_DEFAULT_MATERIAL_NAME;
+    return (colour_of(material).array() < 1.0).any();
+}
+
 std::string texture_of(const aiMaterial& material) {
     aiString path;
     for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
@@ -103,6 +111,7 @@ private:
         part.name = mesh.mName.C_Str();
         if (mesh.mMaterialIndex < scene_.mNumMaterials) {
             part.colour = colour_of(*scene_.mMaterials[mesh.mMaterialIndex]);
+            part.has_colour = states_colour(*scene_.mMaterials[mesh.mMaterialIndex]);
             part.own_texture = texture_of(*scene_.mMaterials[mesh.mMaterialIndex]);
         }
         for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
@@ -174,6 +183,19 @@ std::string own_texture_of(const std::vector<ModelPart>& parts) {
         if (!part.own_texture.empty()) return part.own_texture;
     }
     return {};
+}
+
+std::vector<Eigen::Vector3d> colours_of(const std::vector<ModelPart>& parts) {
+    constexpr double kSame = 0.02;
+    std::vector<Eigen::Vector3d> colours;
+    for (const ModelPart& part : parts) {
+        const auto is_same = [&](const Eigen::Vector3d& known) {
+            return (known - part.colour).cwiseAbs().maxCoeff() < kSame;
+        };
+        if (part.has_colour && std::ranges::none_of(colours, is_same))
+            colours.push_back(part.colour);
+    }
+    return colours;
 }
 
 bool is_model_name(const std::filesystem::path& file) {

@@ -30,11 +30,15 @@ struct ModelPart {
     /// Texture coordinates per vertex, (0, 0) is the picture's top left; empty: none.
     std::vector<Eigen::Vector2f> texture_places;
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // RGB in [0, 1]
+    bool has_colour = false;                                  // the file states the colour
     std::string own_texture;  // picture that the file names, "*0" inside it; viewers do not draw it
 };
 
 /// The first picture that the parts name; empty: none.
 std::string own_texture_of(const std::vector<ModelPart>& parts);
+
+/// The different colours that the file states for its parts, in the order of the parts.
+std::vector<Eigen::Vector3d> colours_of(const std::vector<ModelPart>& parts);
 
 /// True if `load_model` supports the suffix of the file's name.
 bool is_model_name(const std::filesystem::path& file);

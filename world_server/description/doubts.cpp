@@ -1,6 +1,7 @@
 #include "world_server/description/doubts.hpp"
 
 #include "world_server/description/start_doubts.hpp"
+#include "world_server/description/world_text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,6 +10,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
+#include <string_view>
 
 namespace atrium::world_server {
 namespace {
@@ -36,10 +39,134 @@ void doubt_textures(const WorldDescription& world, std::vector<std::string>& lin
     }
 }
 
+std::string rgb(const Eigen::Vector3d& colour) {
+    return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", colour.x(), colour.y(), colour.z());
+}
+
+// Scenery is drawn in the colours of its file.
+void doubt_colours(const WorldDescription& world, std::vector<std::string>& lines) {
+    constexpr double kVisible = 0.02;
+    std::set<std::string> known;  // models
+    const auto look_at = [&](const std::string& name,
+                             const std::string& model,
+                             const std::string& own_texture,
+                             const std::vector<Eigen::Vector3d>& own,
+                             const Eigen::Vector3d& drawn) {
+        if (own.empty() || !own_texture.empty()) return;  // a texture replaces the colours
+        const bool is_drawn =
+            own.size() == 1 && (own.front() - drawn).cwiseAbs().maxCoeff() < kVisible;
+        if (is_drawn || !known.insert(model).second) return;
+        if (own.size() == 1) {
+            lines.push_back(
+                fmt::format("colour_not_drawn model={} name={} reason=\"its colour is "
+                            "{}, but that of its material is drawn, {}\" "
+                            "advice=\"write colour = {}\"",
+                            model,
+                            name,
+                            rgb(own.front()),
+                            rgb(drawn),
+                            rgb(own.front())));
+            return;
+        }
+        lines.push_back(
+            fmt::format("colour_not_drawn model={} name={} reason=\"its file has {} "
+                        "colours, but all of it is drawn in {}\" advice=\"a model has "
+                        "one colour: split it into objects, or give it a texture\"",
+                        model,
+                        name,
+                        own.size(),
+                        rgb(drawn)));
+    };
+    for (const WorldObject& object : world.objects) {
+        const Look& look = object.look;
+        look_at(object.name, look.model, look.own_texture, look.own_colours, look.colour);
+    }
+    for (const WorldSoftObject& soft : world.soft)
+        look_at(soft.name, soft.model, soft.own_texture, soft.own_colours, soft.colour);
+}
+
+void doubt_gravity(const WorldDescription& world, std::vector<std::string>& lines) {
+    const Eigen::Vector3d& gravity = world.world.gravity;
+    const double sideways = gravity.head<2>().norm();
+    if (gravity.norm() == 0.0 || -gravity.z() >= sideways) return;
+    lines.push_back(
+        fmt::format("world_looks_wrong reason=\"gravity [{}] does not point down; +Z is "
+                    "up: [0, 0, -{:.4g}]\"",
+                    fmt::join(gravity, ", "),
+                    gravity.norm()));
+}
+
+// A usual angle in radians: a multiple of pi/4 or pi/6, rounded to two decimals or more. As degrees
+// hardly anybody writes one: those have one decimal, or end in 25 or 75.
+bool may_be_radians(double written) {
+    constexpr double kRounding = 0.01;
+    constexpr double kWritten = 1e-6;
+    const auto is_multiple = [](double value, double of, double tolerance) {
+        return std::abs(value - std::round(value / of) * of) < tolerance;
+    };
+    const double angle = std::abs(written);
+    if (angle > 2.0 * std::numbers::pi + kRounding) return false;
+    if (is_multiple(angle, 0.1, kWritten) || is_multiple(angle, 0.25, kWritten)) return false;
+    return angle > kRounding && (is_multiple(angle, std::numbers::pi / 4.0, kRounding) ||
+                                 is_multiple(angle, std::numbers::pi / 6.0, kRounding));
+}
+
+void doubt_rotations(const WorldDescription& world, std::vector<std::string>& lines) {
+    const auto look_at = [&](const char* event,
+                             const std::string& name,
+                             const char* key,
+                             const std::string& written,
+                             const Eigen::Vector3d& angles_deg) {
+        int num_turns = 0;
+        for (const double angle : angles_deg) {
+            if (std::abs(angle) < 1e-6) continue;
+            if (!may_be_radians(angle)) return;
+            ++num_turns;
+        }
+        if (num_turns == 0) return;
+        constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+        const Eigen::Array3d in_degrees = (angles_deg * kDegPerRad).array().round() + 0.0;
+        lines.push_back(fmt::format(
+            "{} name={} reason=\"{} = {} turns it by hardly anything; if these are "
+            "radians, the degrees are {}\"",
+            event,
+            name,
+            key,
+            written,
+            std::string_view(key) == "yaw_deg" ? fmt::format("{}", in_degrees.z())
+                                               : fmt::format("[{}]", fmt::join(in_degrees, ", "))));
+    };
+    const auto turned =
+        [&](const char* event, const std::string& name, const Eigen::Quaterniond& rotation) {
+            const Eigen::Vector3d angles_deg = roll_pitch_yaw_deg(rotation);
+            const std::string written = fmt::format(
+                "[{:.4g}, {:.4g}, {:.4g}]", angles_deg.x(), angles_deg.y(), angles_deg.z());
+            look_at(event, name, "roll_pitch_yaw_deg", written, angles_deg);
+        };
+    for (const WorldObject& object : world.objects)
+        turned("object_looks_wrong", object.name, object.rigid.world_from_object.rotation);
+    for (const WorldSoftObject& soft : world.soft)
+        turned("soft_looks_wrong", soft.name, soft.object.world_from_object.rotation);
+    for (const WorldScenery& scenery : world.scenery)
+        turned("scenery_looks_wrong", scenery.name, scenery.world_from_model.rotation);
+    for (const NamedPlacement& site : world.placements) {
+        const Eigen::Vector3d angles_deg = roll_pitch_yaw_deg(site.world_from_site.rotation);
+        const std::string written = fmt::format("{:.4g}", angles_deg.z());
+        look_at("site_looks_wrong", site.site, "yaw_deg", written, angles_deg);
+    }
+}
+
 std::string name_of(const WorldDescription& world, std::uint32_t id) {
     const auto found = std::ranges::find(
         world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
     return found == world.objects.end() ? "world" : found->name;
+}
+
+Eigen::Vector3d start_of(const WorldDescription& world, std::uint32_t id) {
+    const auto found = std::ranges::find(
+        world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
+    if (found == world.objects.end()) return Eigen::Vector3d::Zero();
+    return found->rigid.world_from_object.translation;
 }
 
 void doubt_joints(const WorldDescription& world, std::vector<std::string>& lines) {
@@ -59,14 +186,20 @@ void doubt_joints(const WorldDescription& world, std::vector<std::string>& lines
         look_at(joint, "anchor_m", joint.anchor_m);
         if (joint.kind == physics::JointKind::kSpring)
             look_at(joint, "anchor_b_m", joint.anchor_b_m);
-        const bool is_slider = joint.kind == physics::JointKind::kSlider && joint.limits;
-        if (!is_slider || joint.limits->at(1) - joint.limits->at(0) <= box.size().norm()) continue;
+        if (joint.kind != physics::JointKind::kSlider || !joint.limits) continue;
+        const auto leads_out = [&](double limit_m) {
+            return !box.contains(start_of(world, joint.a) + limit_m * joint.axis.normalized());
+        };
+        const auto out = std::ranges::find_if(*joint.limits, leads_out);
+        if (out == joint.limits->end() || leads_out(0.0)) continue;
         lines.push_back(fmt::format(
-            "joint_looks_wrong a={} b={} reason=\"limits_m [{}] are further apart than the ends of "
-            "the world; they are metres\"",
+            "joint_looks_wrong a={} b={} reason=\"limits_m [{}]: {:.4g} m from its start, {} is "
+            "outside the world's bounds; they are metres\"",
             name_of(world, joint.a),
             name_of(world, joint.b),
-            fmt::join(*joint.limits, ", ")));
+            fmt::join(*joint.limits, ", "),
+            *out,
+            name_of(world, joint.a)));
     }
 }
 
@@ -120,6 +253,9 @@ void doubt_soft_models(const WorldDescription& world, std::vector<std::string>& 
 std::vector<std::string> doubts_about(const WorldDescription& world) {
     std::vector<std::string> lines;
     doubt_textures(world, lines);
+    doubt_colours(world, lines);
+    doubt_gravity(world, lines);
+    doubt_rotations(world, lines);
     doubt_joints(world, lines);
     doubt_anchors(world, lines);
     doubt_limits(world, lines);

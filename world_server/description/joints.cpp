@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 namespace atrium::world_server {
 namespace {
@@ -110,11 +111,24 @@ void read_spring(config::TableReader& reader, physics::Joint& joint) {
     reader.read("pulls_only", joint.pulls_only);
 }
 
+void read_kind(config::TableReader& reader, std::string& kind) {
+    static const std::vector<std::string> kKinds{"hinge", "ball", "slider", "spring"};
+    static const std::vector<std::string> kRigid{
+        "fixed", "rigid", "weld", "welded", "glue", "glued", "lock", "locked"};
+    std::string written;
+    reader.read("kind", written);
+    if (std::ranges::find(kRigid, written) == kRigid.end())
+        return reader.read("kind", kind, kKinds);
+    reader.reject("kind",
+                  "must be one of hinge, ball, slider, spring; a hinge with limits_deg = [0, 0] "
+                  "holds rigidly, and parts that never move belong in one compound");
+}
+
 physics::Joint read_joint(config::TableReader& reader, const std::vector<WorldObject>& objects) {
     physics::Joint joint;
     std::string kind;
     reader.require("kind");
-    reader.read("kind", kind, {"hinge", "ball", "slider", "spring"});
+    read_kind(reader, kind);
     read_ends(reader, objects, joint);
     reader.require("anchor_m");
     reader.read("anchor_m", joint.anchor_m.data(), 3, kPositionRange);

@@ -2,6 +2,8 @@
 
 #include "world_server/description/shared_entries.hpp"
 
+#include <fmt/format.h>
+
 #include <set>
 #include <vector>
 
@@ -57,6 +59,7 @@ Material read_material(config::TableReader& reader, const Materials& materials) 
 void read_mass(config::TableReader& reader,
                const Material& material,
                double volume_m3,
+               const char* of_zero,
                double& mass_kg) {
     const bool has_mass = reader.has("mass_kg");
     const bool has_density = reader.has("density_kg_per_m3");
@@ -65,8 +68,10 @@ void read_mass(config::TableReader& reader,
     if (has_mass)
         return reader.reject("density_kg_per_m3", "must not be set together with mass_kg");
     if (!has_density && !material.density_kg_per_m3) {
-        return reader.reject("mass_kg",
-                             "is missing: set it, density_kg_per_m3, or a material with a density");
+        return reader.reject(
+            "mass_kg",
+            fmt::format("is missing: set it{}, density_kg_per_m3, or a material with a density",
+                        of_zero));
     }
     double density = material.density_kg_per_m3.value_or(0.0);
     reader.read("density_kg_per_m3", density, {1.0, 30'000.0});

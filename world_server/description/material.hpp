@@ -33,10 +33,12 @@ Materials read_materials(config::TableReader& reader);
 Material read_material(config::TableReader& reader, const Materials& materials);
 
 /// Reads `mass_kg`, or computes the mass of the volume from `density_kg_per_m3` or the material.
-/// One of the three is required.
+/// One of the three is required. `of_zero` tells in the message about a missing one what a mass of
+/// 0 does.
 void read_mass(config::TableReader& reader,
                const Material& material,
                double volume_m3,
+               const char* of_zero,
                double& mass_kg);
 
 }  // namespace atrium::world_server

@@ -26,7 +26,8 @@ Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
     }
     return LoadedModel{
         std::make_shared<const std::vector<geometry::TriangleMesh>>(std::move(parts)),
-        model::own_texture_of(*model)};
+        model::own_texture_of(*model),
+        model::colours_of(*model)};
 }
 
 }  // namespace atrium::world_server

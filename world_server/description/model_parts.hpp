@@ -14,8 +14,9 @@ namespace atrium::world_server {
 using ModelParts = std::shared_ptr<const std::vector<geometry::TriangleMesh>>;
 
 struct LoadedModel {
-    ModelParts parts;         // hulls
-    std::string own_texture;  // picture that the file names; empty: none
+    ModelParts parts;                          // hulls
+    std::string own_texture;                   // picture that the file names; empty: none
+    std::vector<Eigen::Vector3d> own_colours;  // different ones that the file states
 };
 
 /// Reads a model and creates its hulls: one around everything for a convex shape, one per part of

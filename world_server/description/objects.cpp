@@ -28,6 +28,7 @@ void read_model(config::TableReader& reader, WorldObject& object, KnownModels& k
         model = std::move(*loaded);
     }
     look.own_texture = model.own_texture;
+    look.own_colours = model.own_colours;
     rigid.parts = model.parts;
     rigid.size_m = physics::extents_of(*model.parts);
 }
@@ -74,6 +75,7 @@ WorldObject read_object(config::TableReader& reader,
     WorldObject object;
     physics::RigidObject& rigid = object.rigid;
     rigid.id = id;
+    for (const char* key : {"fixed", "static"}) reader.forbid(key, "mass_kg = 0 makes it fixed");
     read_name(reader, object.name);
     rigid.shape = read_shape(reader);
     const bool has_model =
@@ -91,9 +93,10 @@ WorldObject read_object(config::TableReader& reader,
     if (rigid.shape == ObjectShape::kPlane)
         reader.read("mass_kg", rigid.mass_kg, {0.0, 1e4});
     else
-        read_mass(reader, material, physics::volume_m3(to_rigid(object)), rigid.mass_kg);
-    reader.read("colour", object.look.colour.data(), 3, {0.0, 1.0});
+        read_mass(
+            reader, material, physics::volume_m3(to_rigid(object)), " (0: fixed)", rigid.mass_kg);
     read_texture(reader, object.look.texture);
+    read_colour(reader, object.look.texture, object.look.own_colours, object.look.colour);
     read_pose(reader, rigid.world_from_object);
     reader.read("friction", rigid.friction, {0.0, 10.0});
     reader.read("restitution", rigid.restitution, {0.0, 1.0});

@@ -69,6 +69,15 @@ void read_texture(config::TableReader& reader, std::string& texture) {
     texture = file;
 }
 
+void read_colour(config::TableReader& reader,
+                 const std::string& texture,
+                 std::vector<Eigen::Vector3d>& own_colours,
+                 Eigen::Vector3d& colour) {
+    reader.read("colour", colour.data(), 3, {0.0, 1.0});
+    if (reader.has("colour") || !texture.empty()) own_colours.clear();
+    if (own_colours.size() == 1 && !reader.has("material")) colour = own_colours.front();
+}
+
 void reject_model(config::TableReader& reader, Error error) {
     std::string file;
     reader.read("model", file);

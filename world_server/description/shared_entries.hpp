@@ -3,9 +3,12 @@
 #include "core/config/table_reader.hpp"
 #include "core/geometry/rigid_transform.hpp"
 
+#include <Eigen/Core>
+
 #include <filesystem>
 #include <numbers>
 #include <string>
+#include <vector>
 
 /// Reads the entries that several tables of a world file share. Problems go to `reader`.
 namespace atrium::world_server {
@@ -23,6 +26,13 @@ void read_name(config::TableReader& reader, std::string& name);
 void read_pose(config::TableReader& reader, geometry::RigidTransform& world_from_object);
 /// Reads `texture`: an existing picture in the world file's folder (bus::is_valid_model_file).
 void read_texture(config::TableReader& reader, std::string& texture);
+/// Reads `colour`, after `texture` and the colour of `material`. If the table has none of the
+/// three, the colour is that of the model, if its file states one alone. `own_colours`: those of
+/// the file; emptied if they do not matter.
+void read_colour(config::TableReader& reader,
+                 const std::string& texture,
+                 std::vector<Eigen::Vector3d>& own_colours,
+                 Eigen::Vector3d& colour);
 /// Reads `model`, required, and `scale`: a model in the world file's folder. False if the name is
 /// not valid.
 bool read_model_name(config::TableReader& reader, std::string& model, double& scale);

@@ -48,6 +48,7 @@ void read_model(config::TableReader& table, WorldSoftObject& soft) {
     const auto parts = model::load_model(file_of(table, file), soft.model_scale);
     if (!parts) return reject_model(table, parts.error());
     soft.own_texture = model::own_texture_of(*parts);
+    soft.own_colours = model::colours_of(*parts);
     geometry::TriangleMesh mesh = weld(*parts);
     if (mesh.vertices.size() > physics::kMaxSoftNodes) {
         return table.reject("model",
@@ -138,12 +139,12 @@ WorldSoftObject read_soft_object(
     const Material material = read_material(table, materials);
     object.friction = material.friction;
     soft.colour = material.colour;
-    read_mass(table, material, physics::volume_m3(object), object.mass_kg);
+    read_mass(table, material, physics::volume_m3(object), "", object.mass_kg);
     table.read("stiffness", object.stiffness, {0.0, 1.0});
     table.read("damping_hz", object.damping_hz, {0.0, 100.0});
     table.read("friction", object.friction, {0.0, 10.0});
-    table.read("colour", soft.colour.data(), 3, {0.0, 1.0});
     read_texture(table, soft.texture);
+    read_colour(table, soft.texture, soft.own_colours, soft.colour);
     read_pose(table, object.world_from_object);
     read_pins(table, "pins", 0, object);
     if (table.has("tied") && !table.has("tied_to")) table.reject("tied", "needs tied_to");
@@ -163,7 +164,10 @@ WorldSoftObject read_soft_object(
         for (const char* instead : {"diameter_m", "length_m"}) {
             if (key == "size_m" && !table.has(key) && table.has(instead)) key = instead;
         }
-        table.reject(key, std::string(problem->allowed));
+        std::string allowed(problem->allowed);
+        if (key == "spacing_m" && !table.has(key))
+            allowed += fmt::format("; the default is {:.2f} m", object.spacing_m);
+        table.reject(key, allowed);
     }
     return soft;
 }

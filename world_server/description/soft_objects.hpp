@@ -22,6 +22,7 @@ struct WorldSoftObject {
     std::string model = {};                 // file of a model; empty: none
     double model_scale = 1.0;               // [m] per unit of the model
     std::string own_texture = {};           // picture that the model's file names; not drawn
+    std::vector<Eigen::Vector3d> own_colours = {};  // see Look
     physics::SoftObject object;
 };
 

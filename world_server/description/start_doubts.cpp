@@ -16,6 +16,7 @@ namespace {
 constexpr double kDeepRigid_m = 0.05;
 constexpr double kDeepSoft_m = 0.03;
 constexpr double kFarAnchor_m = 0.5;
+constexpr double kNearAnchor_m = 0.1;
 
 bool is_plane(const WorldObject& object) {
     return object.rigid.shape == physics::ObjectShape::kPlane;
@@ -39,10 +40,14 @@ geometry::Aabb local_box_of(const physics::RigidObject& object) {
     return box;
 }
 
-double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& object) {
+// `place_m` is in the object's frame.
+double local_distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& object) {
     const geometry::Aabb box = local_box_of(object);
-    const Eigen::Vector3d local = object.world_from_object.inverse() * place_m;
-    return (local - local.cwiseMax(box.min).cwiseMin(box.max)).norm();
+    return (place_m - place_m.cwiseMax(box.min).cwiseMin(box.max)).norm();
+}
+
+double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& object) {
+    return local_distance_m(object.world_from_object.inverse() * place_m, object);
 }
 
 geometry::Aabb world_box_of(const physics::RigidObject& object) {
@@ -126,25 +131,44 @@ void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines
 
 void doubt_anchors(const WorldDescription& world, std::vector<std::string>& lines) {
     const auto find = [&](std::uint32_t id) {
-        return std::ranges::find(
+        const auto found = std::ranges::find(
             world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
+        return found == world.objects.end() ? nullptr : &*found;
     };
     for (const physics::Joint& joint : world.joints) {
-        const bool is_point =
-            joint.kind == physics::JointKind::kHinge || joint.kind == physics::JointKind::kBall;
-        const auto a = find(joint.a);
-        const auto b = find(joint.b);
-        if (!is_point || a == world.objects.end() || b == world.objects.end()) continue;
-        const double nearest_m =
-            std::min(distance_m(joint.anchor_m, a->rigid), distance_m(joint.anchor_m, b->rigid));
-        if (nearest_m <= kFarAnchor_m) continue;
-        lines.push_back(
-            fmt::format("joint_looks_wrong a={} b={} reason=\"anchor_m [{}] is {:.2g} m away from "
-                        "both objects; it is a place in the world, not in an object\"",
-                        a->name,
-                        b->name,
-                        fmt::join(joint.anchor_m, ", "),
-                        nearest_m));
+        const WorldObject* a = find(joint.a);
+        const WorldObject* b = find(joint.b);
+        if (a == nullptr) continue;
+        const auto doubt = [&](const char* key,
+                               const Eigen::Vector3d& place_m,
+                               double far_m,
+                               const std::string& from) {
+            lines.push_back(fmt::format(
+                "joint_looks_wrong a={} b={} reason=\"{} [{}] is {:.2g} m away from {}; it is a "
+                "place in the world, not in an object\"",
+                a->name,
+                b == nullptr ? "world" : b->name,
+                key,
+                fmt::join(place_m, ", "),
+                far_m,
+                from));
+        };
+        const double from_a_m = distance_m(joint.anchor_m, a->rigid);
+        if (b == nullptr) {
+            // anything may hang from afar, but hardly from the place that is right in its own frame
+            if (from_a_m > kFarAnchor_m &&
+                local_distance_m(joint.anchor_m, a->rigid) <= kNearAnchor_m)
+                doubt("anchor_m", joint.anchor_m, from_a_m, a->name);
+            continue;
+        }
+        if (joint.kind == physics::JointKind::kSpring) {
+            const double from_b_m = distance_m(joint.anchor_b_m, b->rigid);
+            if (from_a_m > kFarAnchor_m) doubt("anchor_m", joint.anchor_m, from_a_m, a->name);
+            if (from_b_m > kFarAnchor_m) doubt("anchor_b_m", joint.anchor_b_m, from_b_m, b->name);
+            continue;
+        }
+        const double nearest_m = std::min(from_a_m, distance_m(joint.anchor_m, b->rigid));
+        if (nearest_m > kFarAnchor_m) doubt("anchor_m", joint.anchor_m, nearest_m, "both objects");
     }
 }
 

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <string>
+#include <vector>
 
 namespace atrium::world_server {
 
@@ -17,6 +18,8 @@ struct Look {
     std::string texture{};                                    // picture; empty: none
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
     std::string own_texture{};  // picture that the model's file names; viewers do not draw it
+    /// Colours of the model's file, if the world file states neither colour nor texture for it.
+    std::vector<Eigen::Vector3d> own_colours{};
 };
 
 /// An object as described in the world file. Ids are positions in the file, from 1. Parts of

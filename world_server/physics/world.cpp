@@ -3,8 +3,10 @@
 #include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/world_impl.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 
 namespace atrium::physics {
 
@@ -47,10 +49,24 @@ void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     self.begin_holds();
     self.people.begin_tick(tick_s);
     self.contacts.begin_tick(self.people, tick_s);
-    std::vector<btRigidBody*>& around = self.soft.begin_tick(self.people);
-    for (auto& [id, object] : self.objects) around.push_back(&object->body());
+    SoftSurroundings& around = self.soft.begin_tick(self.people);
+    for (auto& [id, object] : self.objects) around.bodies.push_back(&object->body());
     const std::vector<btRigidBody*>& still = self.surroundings.bodies();
-    around.insert(around.end(), still.begin(), still.end());
+    around.bodies.insert(around.bodies.end(), still.begin(), still.end());
+    self.find_standing(around.standing);
+}
+
+void World::Impl::find_standing(std::vector<const btRigidBody*>& standing) {
+    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+        const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+        if (manifold.getNumContacts() == 0) continue;
+        const btRigidBody* a = btRigidBody::upcast(manifold.getBody0());
+        const btRigidBody* b = btRigidBody::upcast(manifold.getBody1());
+        if (a == nullptr || b == nullptr) continue;
+        if (a->getInvMass() > 0 && b->getInvMass() == 0) standing.push_back(a);
+        if (b->getInvMass() > 0 && a->getInvMass() == 0) standing.push_back(b);
+    }
+    std::sort(standing.begin(), standing.end(), std::less<const btRigidBody*>());
 }
 
 ObjectBody* World::Impl::find_moving(std::uint32_t id) {

@@ -32,6 +32,8 @@ struct World::Impl {
     static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
     ObjectBody* find(std::uint32_t id);  // null: no such rigid object
     ObjectBody* find_moving(std::uint32_t id);
+    /// Adds the moving bodies that touch a fixed one.
+    void find_standing(std::vector<const btRigidBody*>& standing);
     void wake_all();
     void begin_holds();
     void end_holds();

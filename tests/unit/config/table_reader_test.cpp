@@ -167,6 +167,29 @@ TEST(TableReader, ShowsAListAsItIsWritten) {
     EXPECT_THAT(words.finish().error().message, testing::EndsWith(", got [\"upper\"]"));
 }
 
+TEST(TableReader, ShowsANumberWithAsManyDigitsAsItNeeds) {
+    TableReader reader = reader_of("limits = [9.81, 1e300, 2.0]\n");
+    std::array<double, 3> limits{};
+    reader.read("limits", limits.data(), 3, {0, 1});
+    EXPECT_THAT(reader.finish().error().message, testing::EndsWith(", got [9.81, 1e+300, 2.0]"));
+}
+
+TEST(TableReader, ForbidsAKeyWithAdvice) {
+    TableReader reader = reader_of("[box]\nname = \"b\"\nfixed = true\n");
+    TableReader box = reader.table("box");
+    box.forbid("static", "mass = 0");
+    box.forbid("fixed", "mass = 0");
+    box.require("mass");
+    EXPECT_EQ(reader.finish().error().message, "room.toml:3: box.fixed: unknown key; mass = 0");
+}
+
+TEST(TableReader, NamesAKeyThatLacksTheUnitOfAMissingOne) {
+    TableReader reader = reader_of("[box]\nmass = 2\n");
+    reader.table("box").require("mass_kg");
+    EXPECT_THAT(reader.finish().error().message,
+                HasSubstr("box.mass: unknown key; did you mean mass_kg, which is missing?"));
+}
+
 TEST(TableReader, ReadsArraysOfTablesAndNamesTheElement) {
     TableReader reader = reader_of("[[object]]\nmass = 1\n[[object]]\nmass = -2\n");
     const auto objects = reader.tables("object");

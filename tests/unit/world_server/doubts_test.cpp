@@ -56,6 +56,73 @@ TEST_F(WorldDoubts, NameATextureOfAModelFileThatIsNotDrawn) {
                 ElementsAre(HasSubstr("texture_not_drawn")));
 }
 
+constexpr const char* kTwoColours =
+    "mtllib two.mtl\nv 0 0 0\nv 0.9 0 0\nv 0 0.9 0\nv 0 0 0.9\n"
+    "usemtl red\nf 1 3 2\nf 1 2 4\nusemtl green\nf 1 4 3\nf 2 3 4\n";
+
+TEST_F(WorldDoubts, NameColoursOfAModelFileThatAreNotDrawn) {
+    put("car.obj", kTwoColours);
+    put("two.mtl", "newmtl red\nKd 0.8 0.1 0.1\nnewmtl green\nKd 0.1 0.8 0.1\n");
+    const std::string car =
+        "[[object]]\nname = \"car\"\nshape = \"convex\"\nmodel = \"car.obj\"\nmass_kg = 1\n";
+    const auto undrawn = HasSubstr(
+        "colour_not_drawn model=car.obj name=car reason=\"its file has 2 colours, but all of it is "
+        "drawn in [0.70, 0.70, 0.70]\"");
+    EXPECT_THAT(doubts(car), ElementsAre(undrawn));
+    EXPECT_THAT(doubts(car + "material = \"plastic\"\n"), ElementsAre(HasSubstr("2 colours")));
+    EXPECT_THAT(doubts(car + "colour = [1, 1, 1]\n"), IsEmpty()) << "chosen";
+    EXPECT_THAT(doubts(car + "texture = \"own.png\"\n"), IsEmpty());
+    EXPECT_THAT(doubts("[[scenery]]\nname = \"s\"\nmodel = \"car.obj\"\n"), IsEmpty())
+        << "scenery has the colours of its file";
+    put("two.mtl", "newmtl red\nKd 0.8 0.1 0.1\nnewmtl green\nKd 0.8 0.1 0.1\n");
+    EXPECT_THAT(doubts(car), IsEmpty()) << "one colour is drawn";
+    EXPECT_THAT(doubts(car + "material = \"plastic\"\n"),
+                ElementsAre(AllOf(HasSubstr("its colour is [0.80, 0.10, 0.10], but that of its "
+                                            "material is drawn, [0.70, 0.10, 0.08]"),
+                                  HasSubstr("write colour = [0.80, 0.10, 0.10]"))));
+    put("two.mtl", "newmtl other\nKd 1 1 1\n");
+    EXPECT_THAT(doubts(car), IsEmpty()) << "the file states no colour";
+}
+
+// A tetrahedron of two meshes, whose materials have no names. `materials`: of the two, then of the
+// file.
+std::string tetrahedron_gltf(const std::string& first,
+                             const std::string& second,
+                             const std::string& materials) {
+    const std::string bytes =
+        "AAAAAAAAAAAAAAAAZmZmPwAAAAAAAAAAAAAAAGZmZj8AAAAAAAAAAAAAAABmZmY/AAACAA"
+        "EAAAABAAMAAAADAAIAAQACAAMA";
+    const auto mesh = [](int indices, const std::string& material) {
+        return R"({"primitives":[{"attributes":{"POSITION":0},"indices":)" +
+               std::to_string(indices) + material + "}]}";
+    };
+    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],)"
+           R"("nodes":[{"mesh":0},{"mesh":1}],"meshes":[)" +
+           mesh(1, first) + "," + mesh(2, second) + "]," + materials +
+           R"("buffers":[{"byteLength":72,"uri":"data:application/octet-stream;base64,)" + bytes +
+           R"("}],"bufferViews":[{"buffer":0,"byteLength":48},)"
+           R"({"buffer":0,"byteOffset":48,"byteLength":24}],"accessors":[)"
+           R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",)"
+           R"("min":[0,0,0],"max":[0.9,0.9,0.9]},)"
+           R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"},)"
+           R"({"bufferView":1,"byteOffset":12,"componentType":5123,"count":6,"type":"SCALAR"}]})";
+}
+
+TEST_F(WorldDoubts, NameColoursOfAGltfFile) {
+    const std::string car =
+        "[[object]]\nname = \"car\"\nshape = \"convex\"\nmodel = \"car.gltf\"\nmass_kg = 1\n";
+    const std::string two =
+        R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.8,0.1,0.1,1]}},)"
+        R"({"pbrMetallicRoughness":{"baseColorFactor":[0.05,0.05,0.05,1]}}],)";
+    put("car.gltf", tetrahedron_gltf(R"(,"material":0)", R"(,"material":1)", two));
+    EXPECT_THAT(doubts(car), ElementsAre(HasSubstr("name=car reason=\"its file has 2 colours")));
+    put("car.gltf", tetrahedron_gltf(R"(,"material":1)", R"(,"material":1)", two));
+    EXPECT_THAT(doubts(car + "material = \"steel\"\n"),
+                ElementsAre(HasSubstr("its colour is [0.05, 0.05, 0.05], but")));
+    put("car.gltf", tetrahedron_gltf("", "", ""));
+    EXPECT_THAT(doubts(car + "material = \"steel\"\n"), IsEmpty()) << "no material";
+}
+
 TEST_F(WorldDoubts, NameAJointOutsideTheWorld) {
     const std::string joint = std::string(kRock) +
                               "texture = \"own.png\"\n[[joint]]\nkind = \"hinge\"\na = \"rock\"\n"
@@ -66,14 +133,17 @@ TEST_F(WorldDoubts, NameAJointOutsideTheWorld) {
                                       "reason=\"anchor_m [500, 0, 0] is outside")));
 }
 
-TEST_F(WorldDoubts, NameASliderThatIsLongerThanTheWorld) {
+TEST_F(WorldDoubts, NameASliderThatLeadsOutOfTheWorld) {
     const std::string slider = std::string(kRock) +
                                "texture = \"own.png\"\n[[joint]]\nkind = \"slider\"\na = \"rock\"\n"
                                "axis = [1, 0, 0]\nanchor_m = [0, 0, 0]\n";
     EXPECT_THAT(doubts(slider), IsEmpty());
     EXPECT_THAT(doubts(slider + "limits_m = [0, 0.4]\n"), IsEmpty());
     EXPECT_THAT(doubts(slider + "limits_m = [0, 400]\n"),
-                ElementsAre(HasSubstr("limits_m [0, 400] are further apart")));
+                ElementsAre(HasSubstr("limits_m [0, 400]: 400 m from its start, rock is outside")));
+    EXPECT_THAT(doubts(slider + "limits_m = [-40, 0]\n"),
+                ElementsAre(HasSubstr("-40 m from its start")));
+    EXPECT_THAT(doubts(slider + "limits_m = [0, 19]\n"), IsEmpty()) << "inside the bounds";
 }
 
 TEST_F(WorldDoubts, NameASoftModelOfLargeTriangles) {
@@ -106,8 +176,68 @@ TEST_F(WorldDoubts, NameAJointFarFromBothObjects) {
     EXPECT_THAT(doubts(two + "kind = \"ball\"\nb = \"post\"\nanchor_m = [0, 1, 1]\n"),
                 ElementsAre(HasSubstr("0.8 m away")));
     EXPECT_THAT(doubts(hinge + "anchor_m = [0, 3, 1]\n"), IsEmpty()) << "a pendulum on the world";
+    const std::string spring =
+        two + "kind = \"spring\"\nb = \"post\"\nstiffness_npm = 10\nanchor_m = ";
+    EXPECT_THAT(doubts(spring + "[0.2, 0, 1]\nanchor_b_m = [0.8, 0, 1]\n"), IsEmpty());
+    EXPECT_THAT(doubts(spring + "[0, 0, 3]\nanchor_b_m = [0.8, 0, 1]\n"),
+                ElementsAre(HasSubstr("anchor_m [0, 0, 3] is 1.8 m away from gate;")));
+    EXPECT_THAT(doubts(spring + "[0.2, 0, 1]\nanchor_b_m = [0, 0, 0]\n"),
+                ElementsAre(HasSubstr("anchor_b_m [0, 0, 0] is 1.1 m away from post;")));
+    const std::string slider = two + "kind = \"slider\"\nb = \"post\"\naxis = [1, 0, 0]\n";
+    EXPECT_THAT(doubts(slider + "anchor_m = [0.5, 0, 1]\n"), IsEmpty());
+    EXPECT_THAT(doubts(slider + "anchor_m = [0, 3, 1]\n"),
+                ElementsAre(HasSubstr("2.8 m away from both objects")));
     EXPECT_THAT(doubts(kFloor + hinge + "b = \"floor\"\nanchor_m = [0, 3, 0.3]\n"), IsEmpty())
         << "a floor is everywhere";
+}
+
+TEST_F(WorldDoubts, NameAnAnchorInTheFrameOfItsObject) {
+    const std::string hinge = box("crate", 1, "position_m = [3.55, 2, 0.2]") +
+                              "[[joint]]\na = \"crate\"\nkind = \"hinge\"\naxis = [0, 0, 1]\n";
+    EXPECT_THAT(
+        doubts(hinge + "anchor_m = [0.2, 0, 0]\n"),
+        ElementsAre(HasSubstr("joint_looks_wrong a=crate b=world reason=\"anchor_m [0.2, 0, "
+                              "0] is 3.6 m away from crate; it is a place in the world")));
+    EXPECT_THAT(doubts(hinge + "anchor_m = [3.75, 2, 0.2]\n"), IsEmpty());
+    EXPECT_THAT(doubts(hinge + "anchor_m = [3.55, 2, 2.2]\n"), IsEmpty()) << "hangs from above";
+    EXPECT_THAT(doubts(hinge + "anchor_m = [1, 0, 0]\n"), IsEmpty())
+        << "outside the crate in its frame, too";
+}
+
+TEST_F(WorldDoubts, NameGravityThatDoesNotPointDown) {
+    EXPECT_THAT(doubts("[world]\ngravity = [0, -9.81, 0]\n"),
+                ElementsAre(HasSubstr("world_looks_wrong reason=\"gravity [0, -9.81, 0] does not "
+                                      "point down; +Z is up: [0, 0, -9.81]\"")));
+    EXPECT_THAT(doubts("[world]\ngravity = [0, 0, 9.81]\n"), ElementsAre(HasSubstr("not point")));
+    EXPECT_THAT(doubts("[world]\ngravity = [0, 0, 0]\n"), IsEmpty());
+    EXPECT_THAT(doubts("[world]\ngravity = [1, 0, -1.62]\n"), IsEmpty());
+}
+
+TEST_F(WorldDoubts, NameRotationsInRadians) {
+    const auto turned = [](const std::string& angles) {
+        return box("b", 1, "roll_pitch_yaw_deg = [" + angles + "]");
+    };
+    for (const char* radians : {"1.57, 0, 0", "0, 0, -3.14159", "0.52, 0, 1.571", "0, 0.785, 0"}) {
+        EXPECT_THAT(doubts(turned(radians)),
+                    ElementsAre(HasSubstr("object_looks_wrong name=b reason=\"roll_pitch_yaw_deg")))
+            << radians;
+    }
+    EXPECT_THAT(doubts(turned("1.57, 0, 0")), ElementsAre(HasSubstr("degrees are [90, 0, 0]")));
+    for (const char* degrees : {"0, 0, 0",
+                                "1, 0, 0",
+                                "0, 2, 0",
+                                "0.5, 0, 5",
+                                "2.1, 0, 0",
+                                "5.5, 0, 0",
+                                "0, 5.75, 0",
+                                "1.57, 0, 30",
+                                "90, 0, 0",
+                                "0, 0, 0.01",
+                                "1.25, 1.5, 0"})
+        EXPECT_THAT(doubts(turned(degrees)), IsEmpty()) << degrees;
+    EXPECT_THAT(doubts("[[site]]\nname = \"alice\"\nposition_m = [0, 0, 0]\nyaw_deg = 3.14\n"),
+                ElementsAre(AllOf(HasSubstr("site_looks_wrong name=alice reason=\"yaw_deg = 3.14"),
+                                  HasSubstr("the degrees are 180\""))));
 }
 
 TEST_F(WorldDoubts, NameLimitsOfAHingeInRadians) {

@@ -129,6 +129,28 @@ TEST_F(SavedWorldFiles, AllDeliveredWorldsReturnAsTheyWere) {
     EXPECT_NEAR(milliseconds(Timestamp::now() - list.worlds.front().time), 0.0, 60'000.0);
 }
 
+TEST(SceneEdits, RefuseATooLargeModelByItsScale) {
+    const auto config =
+        test_support::load_world(fs::path(ATRIUM_SOURCE_DIR) / "deploy/worlds/playroom.toml");
+    ASSERT_TRUE(config);
+    auto scene = Scene::create(*config);
+    ASSERT_TRUE(scene);
+    geometry::TriangleMesh wide;
+    wide.vertices = {{0, 0, 0}, {30, 0, 0}, {0, 2, 0}, {0, 0, 1}};
+    wide.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    bus::SceneEdit add;
+    add.sender = "eve";
+    add.object.name = "ship";
+    add.object.shape = bus::Shape::kConvex;
+    add.object.model = "models/ship.obj";
+    add.object.mass_kg = 100.0;
+    const auto refused = scene->edit(
+        add, std::make_shared<const std::vector<geometry::TriangleMesh>>(std::vector{wide}));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message,
+              "add: the model must be 0.01 m to 20 m, it is 30 x 2 x 1 m: change its scale");
+}
+
 TEST_F(SavedWorldFiles, SaveWhereThingsAreNow) {
     const auto config =
         test_support::load_world(fs::path(ATRIUM_SOURCE_DIR) / "deploy/worlds/playroom.toml");

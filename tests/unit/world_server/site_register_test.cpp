@@ -19,6 +19,19 @@ TEST(SiteRegister, PlacesASiteOnArrival) {
     EXPECT_FALSE(sites.arrive("alice").value().has_value()) << "the site is already present";
 }
 
+TEST(SiteRegister, AsksForTheNameThatTheWorldFileMayMean) {
+    NamedPlacement upper = kAlice;
+    upper.site = "Alice";
+    SiteRegister sites({upper}, 4);
+    EXPECT_EQ(sites.ask_meant("alice"), "did you mean Alice?");
+    EXPECT_EQ(sites.ask_meant("ALICE"), "did you mean Alice?");
+    EXPECT_EQ(sites.ask_meant("alise"), "did you mean Alice?");
+    EXPECT_EQ(sites.ask_meant("Alice"), "") << "named";
+    EXPECT_EQ(sites.ask_meant("bob"), "");
+    ASSERT_TRUE(sites.arrive("Alice"));
+    EXPECT_EQ(sites.ask_meant("alice"), "") << "Alice is another site, which is present";
+}
+
 TEST(SiteRegister, PlacesUnnamedSitesOnARingAndKeepsThem) {
     SiteRegister sites({kAlice}, 3);
     const auto first = sites.arrive("x");

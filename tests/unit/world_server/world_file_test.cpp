@@ -157,7 +157,22 @@ TEST_F(WorldFile, ErrorsNameFileLineKeyAndWhatIsAllowed) {
         {model("compound", "models/two.obj") + "scale = 500\n",
          {"world.toml:6", "scale", "the model is 650 x 150 x 150 m"}},
         {"[[object]]\nname = \"a\"\nshape = \"convex\"\nmass_kg = 1\n", {"model", "missing"}},
-        {kCorner, {"world.toml:1", "mass_kg", "density_kg_per_m3", "material"}},
+        {kCorner,
+         {"world.toml:1", "mass_kg", "set it (0: fixed)", "density_kg_per_m3", "material"}},
+        {kCorner + "fixed = true\n",
+         {"world.toml:5: object[0].fixed: unknown key; mass_kg = 0 makes it fixed"}},
+        {kCorner + "mass = 2\n",
+         {"world.toml:5: object[0].mass: unknown key; did you mean mass_kg, which is missing?"}},
+        {kBall + "[[joint]]\nkind = \"fixed\"\na = \"ball\"\nanchor_m = [0, 0, 0]\n",
+         {"joint[0].kind: must be one of hinge, ball, slider, spring; a hinge with limits_deg = "
+          "[0, 0] "
+          "holds rigidly"}},
+        {"[[soft]]\nname = \"s\"\nshape = \"cloth\"\nsize_m = [4, 3]\nmass_kg = 1\n",
+         {"soft[0].spacing_m: must be at least 0.10 m, for at most 1500 nodes; the default is 0.05 "
+          "m"}},
+        {"[[soft]]\nname = \"s\"\nshape = \"cloth\"\nsize_m = [4, 3]\nmass_kg = 1\n"
+         "spacing_m = 0.0625\n",
+         {"must be at least 0.10 m, for at most 1500 nodes, got 0.0625"}},
         {kCorner + "mass_kg = 1\ndensity_kg_per_m3 = 100\n", {"world.toml:6", "density_kg_per_m3"}},
         {kCorner + "material = \"cheese\"\n", {"world.toml:5", "material", "rubber", "wood"}},
         {kBall + "texture = \"models/none.png\"\n", {"world.toml:6", "texture", "none.png"}},

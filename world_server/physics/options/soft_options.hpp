@@ -11,6 +11,10 @@ struct SoftContactOptions {
     float step_m = 0.01F;       // along the path of a sample that moves further than this in a tick
     int max_steps = 24;
     float from_inside = 0.1F;  // cosine: a surface that faces like the skin came from inside
+    // A slower body may fall asleep on a calm soft object. More than it gains by falling for a
+    // tick: a body that only soft objects carry falls at the start of each tick and is lifted
+    // again.
+    float still_mps = 0.1F;
     float same_normal = 0.9F;  // cosine: of the faces of one direction, the nearest counts
 };
 

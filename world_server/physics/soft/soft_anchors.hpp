@@ -14,11 +14,12 @@ class btSoftBody;
 
 namespace atrium::physics {
 
-/// The rigid bodies to which soft bodies are anchored.
+/// The rigid bodies to which soft bodies are anchored or that they carry.
 ///
 /// The soft solver runs after the rigid bodies have completed their tick. The velocity that they
-/// gain from anchors must still move them in this tick. Otherwise they would lag behind their
-/// anchors by one tick and start to oscillate.
+/// gain from soft bodies must still move them in this tick. Otherwise they would lag behind by one
+/// tick and start to oscillate: a box on a sheet would jump about. Bodies that stand on a fixed one
+/// are left out: the motion would take no notice of their contacts, and a table would creep.
 class AnchoredBodies {
 public:
     // Order of calls in a tick: begin_tick; add for each body, once or more; end_substep after each

@@ -85,10 +85,11 @@ bool SoftBodies::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
     return true;
 }
 
-std::vector<btRigidBody*>& SoftBodies::begin_tick(const PeopleField& people) {
+SoftSurroundings& SoftBodies::begin_tick(const PeopleField& people) {
     surroundings_.people = &people;
     surroundings_.bodies.clear();
-    return surroundings_.bodies;
+    surroundings_.standing.clear();
+    return surroundings_;
 }
 
 // Steps all soft bodies together, substep by substep: they can push each other.

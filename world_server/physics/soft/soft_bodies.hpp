@@ -46,10 +46,10 @@ public:
     /// See `World::push`.
     bool push(std::uint32_t id, const Eigen::Vector3d& impulse_ns);
 
-    /// Call before each step of the world. Returns an empty list; add the rigid bodies near the
-    /// soft bodies to it. `people` must be in its state at the start of the tick. It and the listed
+    /// Call before each step of the world. Returns empty lists; add the rigid bodies near the soft
+    /// bodies to them. `people` must be in its state at the start of the tick. It and the listed
     /// bodies must stay unchanged until the step is over.
-    std::vector<btRigidBody*>& begin_tick(const PeopleField& people);
+    SoftSurroundings& begin_tick(const PeopleField& people);
     /// Call after each step of the world. Resets objects that are not finite or torn, handles
     /// objects that have left the world, counts and records these incidents. Returns the ids to
     /// remove.

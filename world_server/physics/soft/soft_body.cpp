@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 
 namespace atrium::physics {
 namespace {
@@ -141,6 +142,7 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
         if (!meets) people = nullptr;
     }
     SoftSkin skin{.samples = samples_, .loose = loose_};
+    skin.is_calm = is_calm() && motors_.empty();
     if (volume_) {
         skin.outward = volume_->outward();
         skin.depth_m = volume_->inner_radius_m();
@@ -151,6 +153,11 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
         if (!anchors_.is_attached_to(*body)) loose_bodies_.push_back(body);
     contacts_.find(*body_, skin, people, loose_bodies_, contact_setup_);
     anchors_.begin_tick(anchored);
+    const std::vector<const btRigidBody*>& standing = surroundings.standing;
+    contacts_.visit_bodies([&](btRigidBody& body) {
+        const auto less = std::less<const btRigidBody*>();
+        if (!std::binary_search(standing.begin(), standing.end(), &body, less)) anchored.add(body);
+    });
     motors_.begin_tick(*body_);
 }
 
@@ -211,6 +218,7 @@ void SoftBody::end_tick() {
     anchors_.limit(taut_, options_.soft.links.snap_mps);
     // each end of a link can have gained the other's speed
     limit_speeds();
+    if (!is_calm()) contacts_.wake_bodies();
     const btScalar extent = (body_->m_bounds[1] - body_->m_bounds[0]).length();
     num_torn_ticks_ = extent > options_.soft.torn_extents * rest_extent_ ? num_torn_ticks_ + 1 : 0;
 }
@@ -300,8 +308,7 @@ void SoftBody::damp_links(btScalar seconds) {
     }
 }
 
-// Brings slow objects to rest. Otherwise they would roll and sway for minutes.
-void SoftBody::calm_down(btScalar seconds) {
+bool SoftBody::is_calm() const {
     btScalar mass = 0, energy = 0;
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         const btSoftBody::Node& node = body_->m_nodes[i];
@@ -310,7 +317,12 @@ void SoftBody::calm_down(btScalar seconds) {
         energy += node.m_v.length2() / node.m_im;
     }
     const btScalar calm_mps = options_.soft.calm_mps;
-    if (energy > calm_mps * calm_mps * mass) return;
+    return energy <= calm_mps * calm_mps * mass;
+}
+
+// Brings slow objects to rest. Otherwise they would roll and sway for minutes.
+void SoftBody::calm_down(btScalar seconds) {
+    if (!is_calm()) return;
     const btScalar kept = std::exp(-options_.soft.calm_damping_hz * seconds);
     for (int i = 0; i < body_->m_nodes.size(); ++i) body_->m_nodes[i].m_v *= kept;
 }

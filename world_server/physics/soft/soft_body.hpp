@@ -102,6 +102,7 @@ private:
     void find_bounds();
     void move_freely(btScalar substep_s);
     void damp_links(btScalar seconds);
+    bool is_calm() const;
     void calm_down(btScalar seconds);
     void limit_speeds();
 

@@ -165,6 +165,7 @@ void SoftContacts::find(btSoftBody& soft,
             ++num_person_contacts_;
         }
     }
+    is_calm_ = skin.is_calm && num_person_contacts_ == 0;
     for (btRigidBody* body : bodies) {
         if (body->getCollisionShape()->getShapeType() == TRIANGLE_MESH_SHAPE_PROXYTYPE)
             find_with_mesh(soft, *body, skin, setup);
@@ -198,7 +199,11 @@ void SoftContacts::find_with(const btSoftBody& soft,
         if (!contact) continue;
         contact->sample = skin.samples[i];
         contact->friction = std::sqrt(setup.friction * body.getFriction());
-        if (body.getInvMass() > 0) {
+        const bool is_asleep = body.getInvMass() > 0 && !body.isActive();
+        if (is_asleep && !is_calm_) body.activate();
+        if (is_asleep && is_calm_) {
+            contact->sleeper = &body;
+        } else if (body.getInvMass() > 0) {
             contact->body = &body;
             contact->arm = contact->point - body.getCenterOfMassPosition();
             contact->body_inverse_mass = inverse_mass_of(body, contact->arm, contact->normal);
@@ -307,7 +312,9 @@ void SoftContacts::end_substep(btSoftBody& soft,
         const btVector3 velocity = velocity_of(c);
         c.shift += c.normal.dot(velocity - c.velocity) * substep_s;
         if (c.normal_correction <= 0) continue;
-        if (c.body != nullptr) c.body->activate();
+        const btScalar still_mps = setup.options.still_mps;
+        const bool moves = !is_calm_ || c.velocity.length2() > still_mps * still_mps;
+        if (c.body != nullptr && moves) c.body->activate();
         if (c.depth <= 0) continue;
         for (int i = 0; i < 3; ++i) {
             if (c.sample.weights[i] <= 0) continue;
@@ -316,6 +323,11 @@ void SoftContacts::end_substep(btSoftBody& soft,
             if (out > 0) node.m_v -= c.normal * std::min(out, setup.options.recovery_mps);
         }
     }
+}
+
+void SoftContacts::wake_bodies() {
+    for (const SoftContact& c : contacts_)
+        if (c.sleeper != nullptr) c.sleeper->activate();
 }
 
 }  // namespace atrium::physics

@@ -27,6 +27,7 @@ struct SoftContact {
     btScalar depth = 0;  // [m] penetration at the start of the tick
     btScalar friction = 0;
     btRigidBody* body = nullptr;     // dynamic body that receives the reaction, or null
+    btRigidBody* sleeper = nullptr;  // sleeping body that carries a calm soft body, or null
     btVector3 arm;                   // from the body's centre of mass to the point
     btScalar body_inverse_mass = 0;  // inverse effective mass of the body along the normal
     // solver state
@@ -53,6 +54,9 @@ struct SoftSkin {
     btScalar depth_m = 0;  // volumes only: depth that scenery faces may reach
     // per node; not 0: stretched too far for people to hold it
     std::span<const std::uint8_t> loose{};
+    /// The soft body is slow, and no viewer pulls at it. The bodies that it touches may sleep, and
+    /// sleeping ones yield to it as little as fixed ones. Otherwise it wakes them.
+    bool is_calm = false;
 };
 
 /// The objects that can touch a soft body in a tick.
@@ -60,6 +64,8 @@ struct SoftSurroundings {
     const PeopleField* people = nullptr;  // at the start of the tick
     // at the end of the tick; triangle meshes among them are static
     std::vector<btRigidBody*> bodies;
+    // moving ones among them that touch a fixed one, in ascending order of address
+    std::vector<const btRigidBody*> standing;
 };
 
 /// Contacts of one soft body with people, rigid bodies and scenery, for one tick. The paths of all
@@ -85,6 +91,16 @@ public:
     /// penetration has added.
     void end_substep(btSoftBody& soft, btScalar substep_s, const SoftContactSetup& setup);
 
+    /// Calls `take` with each body that receives reactions, once or more often.
+    template <class Take>
+    void visit_bodies(Take&& take) const {
+        for (const SoftContact& contact : contacts_)
+            if (contact.body != nullptr) take(*contact.body);
+    }
+    /// Wakes the sleeping bodies that it touches. Call after the last substep, if the soft body is
+    /// no longer calm.
+    void wake_bodies();
+
     std::size_t num_person_contacts() const { return num_person_contacts_; }
 
 private:
@@ -101,6 +117,7 @@ private:
     std::vector<SampleMotion> ways_;  // one per sample
     FaceIndex faces_;                 // scratch
     std::size_t num_person_contacts_ = 0;
+    bool is_calm_ = false;  // as of `find`
 };
 
 }  // namespace atrium::physics

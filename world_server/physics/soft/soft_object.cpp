@@ -2,6 +2,8 @@
 
 #include "world_server/physics/soft/soft_mesh.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +14,15 @@ constexpr double kMinSizeM = 0.01;
 constexpr double kMaxSizeM = 20.0;
 
 bool is_within(double value, double min, double max) { return value >= min && value <= max; }
+
+// Whole centimetres with which the object has few enough nodes.
+double least_spacing_m(SoftObject object) {
+    for (int cm = 1; cm <= 100; ++cm) {
+        object.spacing_m = 0.01 * cm;
+        if (count_soft_nodes(object) <= kMaxSoftNodes) break;
+    }
+    return object.spacing_m;
+}
 
 std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
     const Eigen::Vector3d& s = object.size_m;
@@ -57,7 +68,10 @@ std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
         return ObjectProblem{"spacing_m", "must be 0.01 m to 1 m"};
     }
     if (count_soft_nodes(object) > kMaxSoftNodes) {
-        return ObjectProblem{"spacing_m", "must be large enough for at most 1500 nodes"};
+        return ObjectProblem{"spacing_m",
+                             fmt::format("must be at least {:.2f} m, for at most {} nodes",
+                                         least_spacing_m(object),
+                                         kMaxSoftNodes)};
     }
     return std::nullopt;
 }

@@ -1,0 +1,193 @@
+// Rigid objects at rest that carry soft objects, or lie on them.
+#include "soft_stage.hpp"
+#include "world_server/physics/options/soft_options.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <numbers>
+#include <vector>
+
+namespace atrium::physics {
+namespace {
+
+using physics_test::make_box_mesh;
+
+constexpr std::uint32_t kTable = 7;
+
+// A table of 1.2 x 0.7 m, 74 cm high, that stands on four legs on the floor.
+RigidObject table() {
+    std::vector<geometry::TriangleMesh> parts;
+    const auto add_part = [&](const Eigen::Vector3d& size, const Eigen::Vector3d& middle) {
+        parts.push_back(make_box_mesh(size, {Eigen::Quaterniond::Identity(), middle}, 1));
+    };
+    add_part({1.2, 0.7, 0.04}, {0, 0, 0.72});
+    for (const double x : {-0.54, 0.54})
+        for (const double y : {-0.29, 0.29}) add_part({0.06, 0.06, 0.7}, {x, y, 0.35});
+    RigidObject object;
+    object.id = kTable;
+    object.shape = ObjectShape::kCompound;
+    object.size_m = extents_of(parts);
+    object.parts = std::make_shared<const std::vector<geometry::TriangleMesh>>(parts);
+    object.mass_kg = 18.0;
+    object.friction = 0.5;
+    return object;
+}
+
+// Of 0.7 x 0.5 m, horizontal.
+SoftObject tablecloth_at(const Eigen::Vector3d& position) {
+    SoftObject cloth;
+    cloth.id = kSoft;
+    cloth.size_m = {0.7, 0.5, 0.01};
+    cloth.mass_kg = 0.3;
+    cloth.damping_hz = 1.5;
+    cloth.world_from_object = {
+        Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitX())),
+        position};
+    return cloth;
+}
+
+// The floor has friction 0.8.
+class SoftRest : public ::testing::Test {
+protected:
+    SoftRest() {
+        stage.world.remove(1);
+        stage.world.add(
+            {.id = 1, .shape = ObjectShape::kPlane, .size_m = {10, 10, 0}, .friction = 0.8});
+    }
+    bool sleeps(std::uint32_t id) {
+        const RigidState state = stage.rigid(id);
+        return state.linear_velocity.isZero(0.0) && state.angular_velocity.isZero(0.0);
+    }
+    SoftStage stage;
+};
+
+TEST_F(SoftRest, TableUnderACloth) {
+    // wholly on the table, and with its edge 10 cm beyond that of the table
+    for (const double over_m : {0.0, 0.1}) {
+        stage.world.remove(kTable);
+        stage.world.remove(kSoft);
+        ASSERT_EQ(stage.world.add(table()), AddResult::kAdded);
+        const SoftObject cloth = tablecloth_at({-0.25 - over_m, 0.0, 0.85});
+        ASSERT_EQ(stage.world.add_soft(cloth), AddResult::kAdded);
+        stage.run(over_m > 0.0 ? 60.0 : 20.0);
+        const RigidState state = stage.rigid(kTable);
+        EXPECT_LT(state.world_from_object.translation.norm(), 0.001) << over_m;
+        EXPECT_LT(state.world_from_object.rotation.vec().norm(), 0.001) << over_m;
+        EXPECT_TRUE(sleeps(kTable)) << over_m;
+        EXPECT_LT(stage.fastest_mps(), 0.001) << over_m << ": the cloth must not slide off";
+        if (over_m == 0.1) {
+            EXPECT_NEAR(stage.lowest_m(), 0.74 - over_m, 0.02);
+        }
+    }
+}
+
+TEST_F(SoftRest, TableUnderASoftBall) {
+    ASSERT_EQ(stage.world.add(table()), AddResult::kAdded);
+    ASSERT_EQ(stage.world.add_soft(ball_at({0.3, 0.1, 0.95})), AddResult::kAdded);
+    stage.run(20.0);
+    EXPECT_LT(stage.rigid(kTable).world_from_object.translation.norm(), 0.001);
+    EXPECT_TRUE(sleeps(kTable));
+}
+
+// A curtain that hangs against a box at rest wakes it when it swings.
+TEST_F(SoftRest, EndsWhenTheClothSwings) {
+    ASSERT_EQ(
+        stage.world.add({.id = 8,
+                         .size_m = {0.2, 0.2, 0.4},
+                         .mass_kg = 0.5,
+                         .world_from_object = {Eigen::Quaterniond::Identity(), {0, 0.11, 0.2}}}),
+        AddResult::kAdded);
+    ASSERT_EQ(stage.world.add_soft(curtain_at({0, 0, 1.1})), AddResult::kAdded);
+    stage.run(15.0);
+    const Eigen::Vector3d before = stage.rigid(8).world_from_object.translation;
+    ASSERT_TRUE(sleeps(8));
+    ASSERT_TRUE(stage.world.push(kSoft, {0, 1.0, 0}));
+    stage.run(1.0);
+    EXPECT_GT((stage.rigid(8).world_from_object.translation - before).norm(), 0.02);
+}
+
+TEST_F(SoftRest, BoxOnAClothOnATable) {
+    ASSERT_EQ(stage.world.add(table()), AddResult::kAdded);
+    ASSERT_EQ(stage.world.add_soft(tablecloth_at({-0.2, 0.0, 0.75})), AddResult::kAdded);
+    for (const double mass_kg : {0.1, 2.0}) {
+        stage.world.remove(8);
+        RigidObject box{.id = 8, .size_m = {0.2, 0.2, 0.1}, .mass_kg = mass_kg};
+        box.world_from_object.translation = {-0.2, 0.0, 0.82};
+        ASSERT_EQ(stage.world.add(box), AddResult::kAdded);
+        stage.run(10.0);
+        const Eigen::Vector3d place = stage.rigid(8).world_from_object.translation;
+        EXPECT_NEAR(place.z(), 0.8, 0.003) << mass_kg;
+        EXPECT_LT((place - Eigen::Vector3d(-0.2, 0.0, place.z())).norm(), 0.06) << mass_kg;
+        EXPECT_TRUE(sleeps(8)) << mass_kg;
+        EXPECT_LT(stage.fastest_mps(), 0.005) << mass_kg;
+    }
+}
+
+TEST_F(SoftRest, BoxInAHammock) {
+    SoftObject hammock = tablecloth_at({0.0, 0.0, 0.8});
+    hammock.pins = {{PinPlace::kLeft}, {PinPlace::kRight}};
+    ASSERT_EQ(stage.world.add_soft(hammock), AddResult::kAdded);
+    RigidObject box{.id = 8, .size_m = {0.2, 0.2, 0.1}, .mass_kg = 0.3};
+    box.world_from_object.translation.z() = 0.87;
+    ASSERT_EQ(stage.world.add(box), AddResult::kAdded);
+    stage.run(10.0);
+    const Eigen::Vector3d place = stage.rigid(8).world_from_object.translation;
+    EXPECT_LT(place.head<2>().norm(), 0.02);
+    EXPECT_NEAR(place.z(), 0.8, 0.05);
+    EXPECT_TRUE(sleeps(8));
+}
+
+// A board on a soft box, asleep.
+class BoardOnASoftBox : public SoftRest {
+protected:
+    static constexpr std::uint32_t kBoard = 8;
+    BoardOnASoftBox() {
+        SoftObject box = ball_at({0, 0, 0.1});
+        box.shape = SoftShape::kBox;
+        box.size_m = {0.5, 0.5, 0.2};
+        box.spacing_m = 0.05;
+        box.stiffness = 1.0;
+        box.mass_kg = 2.0;
+        stage.world.add_soft(box);
+        stage.world.add({.id = kBoard,
+                         .size_m = {0.2, 0.2, 0.03},
+                         .mass_kg = 0.2,
+                         .world_from_object = {Eigen::Quaterniond::Identity(), {0, 0, 0.24}}});
+        stage.run(20.0);
+    }
+    double height_m() { return stage.rigid(kBoard).world_from_object.translation.z(); }
+};
+
+TEST_F(BoardOnASoftBox, FallsWhenTheBoxIsThrownAway) {
+    ASSERT_TRUE(sleeps(kBoard));
+    ASSERT_GT(height_m(), 0.15);
+    stage.throw_soft(kSoft, {6, 0, -1});
+    stage.run(2.0);
+    EXPECT_NEAR(height_m(), 0.015, 0.003);
+}
+
+TEST_F(BoardOnASoftBox, FallsWhenABallKnocksTheBoxAway) {
+    ASSERT_TRUE(sleeps(kBoard));
+    RigidObject ball{.id = 9, .shape = ObjectShape::kSphere, .size_m = {0.2, 0.2, 0.2}};
+    ball.mass_kg = 20.0;
+    ball.world_from_object.translation = {-0.4, 0, 0.1};
+    ASSERT_EQ(stage.world.add(ball), AddResult::kAdded);
+    RigidState state = stage.rigid(9);
+    state.linear_velocity = {10, 0, 0};
+    ASSERT_TRUE(stage.world.set_state(state));
+    stage.run(2.0);
+    EXPECT_NEAR(height_m(), 0.015, 0.003);
+}
+
+TEST_F(BoardOnASoftBox, WakesWhenAViewerPullsAtTheBox) {
+    ASSERT_TRUE(sleeps(kBoard));
+    ASSERT_TRUE(stage.world.grab("viewer", kSoft, {0.15, 0, 0.1}, {0.15, 0, 0.1}));
+    stage.run(0.1);
+    ASSERT_TRUE(stage.world.move_grab("viewer", kSoft, {1.0, 0, 0.1}));
+    stage.run(2.0);
+    EXPECT_GT(stage.rigid(kBoard).world_from_object.translation.head<2>().norm(), 0.02);
+}
+
+}  // namespace
+}  // namespace atrium::physics
