@@ -1,7 +1,7 @@
 #include "world_server/description/doubts.hpp"
 
+#include "core/geometry/roll_pitch_yaw.hpp"
 #include "world_server/description/start_doubts.hpp"
-#include "world_server/description/world_text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -96,19 +96,20 @@ void doubt_gravity(const WorldDescription& world, std::vector<std::string>& line
                     gravity.norm()));
 }
 
-// A usual angle in radians: a multiple of pi/4 or pi/6, rounded to two decimals or more. As degrees
-// hardly anybody writes one: those have one decimal, or end in 25 or 75.
+// A usual angle in radians: a multiple of pi/4 or pi/6, correct in each of its decimals, at least
+// two. As degrees hardly anybody writes one: those have one decimal, or end in 25 or 75.
 bool may_be_radians(double written) {
-    constexpr double kRounding = 0.01;
-    constexpr double kWritten = 1e-6;
+    constexpr double kWritten = 1e-7;
     const auto is_multiple = [](double value, double of, double tolerance) {
         return std::abs(value - std::round(value / of) * of) < tolerance;
     };
     const double angle = std::abs(written);
-    if (angle > 2.0 * std::numbers::pi + kRounding) return false;
     if (is_multiple(angle, 0.1, kWritten) || is_multiple(angle, 0.25, kWritten)) return false;
-    return angle > kRounding && (is_multiple(angle, std::numbers::pi / 4.0, kRounding) ||
-                                 is_multiple(angle, std::numbers::pi / 6.0, kRounding));
+    double rounding = 0.01;
+    while (rounding > 1e-6 && !is_multiple(angle, rounding, kWritten)) rounding *= 0.1;
+    return angle > rounding && angle < 2.0 * std::numbers::pi + rounding &&
+           (is_multiple(angle, std::numbers::pi / 4.0, rounding) ||
+            is_multiple(angle, std::numbers::pi / 6.0, rounding));
 }
 
 void doubt_rotations(const WorldDescription& world, std::vector<std::string>& lines) {
@@ -138,7 +139,7 @@ void doubt_rotations(const WorldDescription& world, std::vector<std::string>& li
     };
     const auto turned =
         [&](const char* event, const std::string& name, const Eigen::Quaterniond& rotation) {
-            const Eigen::Vector3d angles_deg = roll_pitch_yaw_deg(rotation);
+            const Eigen::Vector3d angles_deg = geometry::roll_pitch_yaw_deg(rotation);
             const std::string written = fmt::format(
                 "[{:.4g}, {:.4g}, {:.4g}]", angles_deg.x(), angles_deg.y(), angles_deg.z());
             look_at(event, name, "roll_pitch_yaw_deg", written, angles_deg);
@@ -150,7 +151,8 @@ void doubt_rotations(const WorldDescription& world, std::vector<std::string>& li
     for (const WorldScenery& scenery : world.scenery)
         turned("scenery_looks_wrong", scenery.name, scenery.world_from_model.rotation);
     for (const NamedPlacement& site : world.placements) {
-        const Eigen::Vector3d angles_deg = roll_pitch_yaw_deg(site.world_from_site.rotation);
+        const Eigen::Vector3d angles_deg =
+            geometry::roll_pitch_yaw_deg(site.world_from_site.rotation);
         const std::string written = fmt::format("{:.4g}", angles_deg.z());
         look_at("site_looks_wrong", site.site, "yaw_deg", written, angles_deg);
     }

@@ -220,7 +220,8 @@ void write(const NamedPlacement& site, std::string& text) {
     Table table(text, "[[site]]");
     table.name("name", site.site);
     table.raw("position_m", place(site.world_from_site.translation));
-    table.number("yaw_deg", rounded(geometry::roll_pitch_yaw_deg(site.world_from_site.rotation).z()));
+    table.number("yaw_deg",
+                 rounded(geometry::roll_pitch_yaw_deg(site.world_from_site.rotation).z()));
 }
 
 void write(const Rights& rights, std::string& text) {

@@ -1,6 +1,6 @@
 #include "site_node/config.hpp"
-#include "site_node/site_node.hpp"
 
+#include "site_node/site_node.hpp"
 #include "site_node/start_check.hpp"
 
 #include <gmock/gmock.h>
