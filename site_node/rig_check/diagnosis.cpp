@@ -215,9 +215,11 @@ private:
     Diagnosis unknown() const {
         const std::size_t worst = as_is_.worst();
         return {Cause::kUnknown,
-                fmt::format("the cameras contradict each other, {} most: look at the silhouettes "
-                            "with --preview; if they are right, calibrate again",
-                            names_[worst]),
+                fmt::format(
+                    "the cameras contradict each other, {} most: look at the silhouettes "
+                    "with --preview; if they are right, calibrate again; if parts of people are "
+                    "missing, film the empty room without people (docs/backgrounds.md)",
+                    names_[worst]),
                 share_,
                 share_,
                 {names_[worst]}};

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace atrium::viewer {
@@ -15,6 +16,9 @@ constexpr double kFarthestM = 6.0;
 constexpr double kStepM = 0.1;
 constexpr double kLowestInView = -0.8;  // in half picture heights, below the middle
 constexpr double kOffTheFloorM = 0.01;
+constexpr double kAsideStepM = 0.1;
+constexpr int kAsideSteps = 30;
+constexpr double kMostAside = 0.8;  // in half picture widths
 constexpr double kMinSizeM = 0.02;
 constexpr double kMaxSizeM = 4.0;
 // pending commands watched; the world accepts 200 commands a second
@@ -62,9 +66,34 @@ Eigen::Vector3d place_before(const renderer::EyeView& eye, const Eigen::Vector3d
     return at;
 }
 
+// The nearest free place to the left or right of `at`; `at` if there is none in the picture.
+Eigen::Vector3d beside_taken(const Eigen::Vector3d& at,
+                             const Eigen::Vector3d& size_m,
+                             const renderer::EyeView& eye,
+                             const std::vector<TakenPlace>& taken) {
+    const double radius_m = 0.5 * std::hypot(size_m.x(), size_m.y());
+    const auto is_free = [&](const Eigen::Vector3d& place) {
+        return std::ranges::none_of(taken, [&](const TakenPlace& other) {
+            return (place.head<2>() - other.middle).norm() < radius_m + other.radius_m;
+        });
+    };
+    const Eigen::Vector3d right = eye.view_from_world.row(0).head<3>().transpose();
+    const Eigen::Matrix4d clip_from_world = eye.clip_from_world();
+    for (int i = 0; i <= 2 * kAsideSteps; ++i) {
+        const int steps = (i + 1) / 2;
+        const double aside_m = (i % 2 == 0 ? 1.0 : -1.0) * kAsideStepM * steps;
+        const Eigen::Vector3d place = at + aside_m * right;
+        const Eigen::Vector4d seen = clip_from_world * place.homogeneous();
+        if (std::abs(seen.x()) <= kMostAside * seen.w() && is_free(place)) return place;
+    }
+    return at;
+}
+
 }  // namespace
 
-bus::SceneObject make_object(const NewObject& wanted, const renderer::EyeView& eye) {
+bus::SceneObject make_object(const NewObject& wanted,
+                             const renderer::EyeView& eye,
+                             const std::vector<TakenPlace>& taken) {
     bus::SceneObject object;
     object.shape = wanted.shape;
     object.name = valid_name(wanted.name, wanted.shape);
@@ -72,11 +101,14 @@ bus::SceneObject make_object(const NewObject& wanted, const renderer::EyeView& e
     object.mass_kg = std::clamp(wanted.mass_kg, 0.01, 1000.0);
     object.restitution = wanted.shape == bus::Shape::kSphere ? 0.6 : 0.2;
     object.colour = wanted.colour.cwiseMax(0.0).cwiseMin(1.0);
-    object.world_from_object.translation = place_before(eye, object.size_m);
+    object.world_from_object.translation =
+        beside_taken(place_before(eye, object.size_m), object.size_m, eye, taken);
     return object;
 }
 
-bus::SceneObject make_object(const NewModel& wanted, const renderer::EyeView& eye) {
+bus::SceneObject make_object(const NewModel& wanted,
+                             const renderer::EyeView& eye,
+                             const std::vector<TakenPlace>& taken) {
     const std::size_t begin = wanted.file.find_last_of('/') + 1;  // 0 if there is no folder
     const std::size_t end = wanted.file.find('.', begin);
     bus::SceneObject object;
@@ -86,7 +118,8 @@ bus::SceneObject make_object(const NewModel& wanted, const renderer::EyeView& ey
     object.model_scale = wanted.scale;
     object.size_m = (wanted.scale * wanted.size_m).cwiseMax(kMinSizeM);
     object.mass_kg = std::clamp(wanted.mass_kg, 0.0, 1000.0);
-    object.world_from_object.translation = place_before(eye, object.size_m);
+    object.world_from_object.translation =
+        beside_taken(place_before(eye, object.size_m), object.size_m, eye, taken);
     return object;
 }
 

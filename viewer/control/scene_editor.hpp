@@ -25,12 +25,23 @@ struct NewObject {
     std::string name;                                         // invalid characters are replaced
 };
 
+/// A circle on the floor that a person or an object covers [m, world].
+struct TakenPlace {
+    Eigen::Vector2d middle;
+    double radius_m;
+};
+
 /// Builds an object that bus and physics accept. Places it before the eye and above the floor
-/// (z=0), far enough that it stays visible when it falls, but at most 6 m away.
-bus::SceneObject make_object(const NewObject& wanted, const renderer::EyeView& eye);
+/// (z=0), far enough that it stays visible when it falls, but at most 6 m away; aside of what is
+/// `taken`, if there is a free place in the picture.
+bus::SceneObject make_object(const NewObject& wanted,
+                             const renderer::EyeView& eye,
+                             const std::vector<TakenPlace>& taken = {});
 
 /// Builds an object of a model. It is placed like others.
-bus::SceneObject make_object(const NewModel& wanted, const renderer::EyeView& eye);
+bus::SceneObject make_object(const NewModel& wanted,
+                             const renderer::EyeView& eye,
+                             const std::vector<TakenPlace>& taken = {});
 
 /// Builds the commands that add and remove objects, and detects whether they took effect. The
 /// server does not reply, so the editor watches the objects of the world.

@@ -1,8 +1,10 @@
 #include "viewer/control/user_control.hpp"
 
 #include <iterator>
+#include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace atrium::viewer {
 namespace {
@@ -98,6 +100,30 @@ UserControl::Commands UserControl::move(const SurfaceEvents& events,
     return commands;
 }
 
+namespace {
+
+// What people and objects cover of the floor. What lies flat in it covers nothing.
+std::vector<TakenPlace> taken_places(const UserControl::Shown& shown) {
+    constexpr double kFlatM = 0.05;
+    std::vector<TakenPlace> taken;
+    for (const auto& [name, person] : shown.people)
+        taken.push_back({person.middle.head<2>(), 0.5 * person.size.head<2>().norm()});
+    std::map<std::uint32_t, Eigen::Vector3d> places;
+    for (const bus::ObjectState& state : shown.states)
+        places[state.object] = state.world_from_object.translation;
+    for (const auto& [id, object] : shown.objects) {
+        const auto moved = places.find(id);
+        const Eigen::Vector3d& at =
+            moved == places.end() ? object.world_from_object.translation : moved->second;
+        if (object.shape == bus::Shape::kPlane || at.z() + 0.5 * object.size_m.z() < kFlatM)
+            continue;
+        taken.push_back({at.head<2>(), 0.5 * object.size_m.head<2>().norm()});
+    }
+    return taken;
+}
+
+}  // namespace
+
 UserControl::Commands UserControl::edit(const SurfaceEvents& events,
                                         const Shown& shown,
                                         const renderer::EyeView& eye,
@@ -105,7 +131,7 @@ UserControl::Commands UserControl::edit(const SurfaceEvents& events,
     Commands commands;
     if (events.reset_scene) commands.push_back(editor_.reset());
     if (events.add) {
-        const bus::SceneObject object = make_object(*events.add, eye);
+        const bus::SceneObject object = make_object(*events.add, eye, taken_places(shown));
         if (editing_.is_supported())
             add_to(edits_, editing_.add(object, now));
         else
@@ -113,7 +139,8 @@ UserControl::Commands UserControl::edit(const SurfaceEvents& events,
     }
     // an older world server does not react, which the history reports
     if (events.edit.add_model)
-        add_to(edits_, editing_.add(make_object(*events.edit.add_model, eye), now));
+        add_to(edits_,
+               editing_.add(make_object(*events.edit.add_model, eye, taken_places(shown)), now));
     if (events.remove) remove(*events.remove, shown, now, commands);
     if (events.remove_pointed && !is_fixed_) {
         const auto hit =

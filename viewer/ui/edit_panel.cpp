@@ -6,6 +6,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <span>
 #include <utility>
@@ -31,8 +32,13 @@ double kept(float field, double value) {
 }
 
 std::array<float, 3> fields_of(const Eigen::Vector3d& values) {
-    const Eigen::Vector3f fields = values.cast<float>();
-    return {fields.x(), fields.y(), fields.z()};
+    std::array<float, 3> fields{};
+    for (int i = 0; i < 3; ++i) {
+        constexpr double kShown = 5e-4;  // less would be shown as 0, or as -0
+        const double value = std::abs(values[i]) < kShown ? 0.0 : values[i];
+        fields[static_cast<std::size_t>(i)] = static_cast<float>(value);
+    }
+    return fields;
 }
 
 }  // namespace
@@ -99,9 +105,10 @@ std::string EditPanel::draw_fields(const bus::SceneObject& object) {
 
 geometry::RigidTransform EditPanel::typed_pose(const geometry::RigidTransform& from) const {
     geometry::RigidTransform pose = from;
+    const std::array<float, 3> shown = fields_of(from.translation);
     for (int i = 0; i < 3; ++i) {
-        const float typed = position_m_[static_cast<std::size_t>(i)];
-        pose.translation[i] = kept(typed, from.translation[i]);
+        const auto k = static_cast<std::size_t>(i);
+        if (position_m_[k] != shown[k]) pose.translation[i] = static_cast<double>(position_m_[k]);
     }
     if (angles_deg_ != fields_of(geometry::roll_pitch_yaw_deg(from.rotation)))
         pose.rotation = geometry::rotation_of_roll_pitch_yaw(
@@ -120,6 +127,7 @@ std::string EditPanel::draw_place(const EditView& edit, SurfaceEvents& events) {
     std::string problem;
     bool is_active = false;
     bool is_done = false;
+    bool is_typed = false;   // a half number is no place
     bool is_allowed = true;  // a number that was typed may be beyond the range for one picture
     const auto numbers = [&](const char* title, std::span<float> values, const NumberRange& range) {
         if (std::string found = number_field(title, values, range); !found.empty())
@@ -128,6 +136,7 @@ std::string EditPanel::draw_place(const EditView& edit, SurfaceEvents& events) {
                          return value >= range.least && value <= range.most;
                      });
         is_active = is_active || ImGui::IsItemActive();
+        is_typed = is_typed || is_number_typed();
         is_done = is_done || ImGui::IsItemDeactivatedAfterEdit();
     };
     numbers("x y z", position_m_, kPositions);
@@ -139,8 +148,8 @@ std::string EditPanel::draw_place(const EditView& edit, SurfaceEvents& events) {
     const geometry::RigidTransform pose = typed_pose(from);
     const bool is_changed =
         pose.translation != from.translation || pose.rotation.coeffs() != from.rotation.coeffs();
-    const bool is_moved = is_changed || (held_ && held_->is_moved);
-    if (is_allowed && (is_done || is_moved))
+    const bool is_moved = (is_changed && !is_typed) || (held_ && held_->is_moved);
+    if (is_allowed && !is_typed && (is_done || is_moved))
         events.edit.place = PlaceWanted{edit.selected->object, pose, is_active && !is_done};
     if (is_active)
         held_ = is_done ? Held{pose, false} : Held{from, is_moved};

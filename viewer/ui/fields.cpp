@@ -84,6 +84,12 @@ std::string number_field(const char* title, std::span<float> values, const Numbe
     return problem;
 }
 
+bool is_number_typed() {
+    const ImGuiContext& context = *ImGui::GetCurrentContext();
+    return ImGui::IsItemActive() && context.ActiveId != 0 &&
+           ImGui::TempInputIsActive(context.ActiveId);
+}
+
 void take_commas_as_points() {
     const ImGuiContext& context = *ImGui::GetCurrentContext();
     if (context.ActiveId == 0 || !ImGui::TempInputIsActive(context.ActiveId)) return;

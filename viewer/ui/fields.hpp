@@ -30,6 +30,10 @@ struct NumberRange {
 /// says so, else an empty one.
 std::string number_field(const char* title, std::span<float> values, const NumberRange& range);
 
+/// Whether the user types into the number field that was laid out last: ImGui applies each letter
+/// at once.
+bool is_number_typed();
+
 /// Takes the comma as a decimal point while a number is typed. Call after ImGui's NewFrame.
 void take_commas_as_points();
 

@@ -159,7 +159,6 @@ void draw_question(Action action) {
 }
 
 void draw_keys() {
-    ImGui::SetNextWindowFocus();  // above the other panels, which show through it
     begin_panel("keys", Corner::kMiddle, kKeysShare, PanelKind::kCover);
     // two lists beside each other where there is room, so that a low window shows all
     const float picture = ImGui::GetIO().DisplaySize.x;

@@ -121,10 +121,8 @@ public:
             renderer.present();
         // even if nothing is laid out: ImGui needs it to know that mouse and keys are not for it
         lay_out([&] {
-            const float hud_right = is_hud_shown_ ? draw_hud(content, has_details_) : 0.0f;
-            if (is_menu_shown_) menu_.draw(content, events_);
-            draw_lower_panels(content, has_details_ ? hud_right : 0.0f);
-            if (are_keys_shown_) draw_keys();
+            // the list of keys would cut the other panels
+            are_keys_shown_ ? draw_keys() : draw_panels(content);
             if (const auto asked = asked_again()) draw_question(*asked);
         });
         swap();
@@ -163,9 +161,11 @@ private:
         taps_.end_frame();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     }
-    // beside each other, the menu and the panel; the long panel ends at `left`
-    void draw_lower_panels(const HudContent& content, float left) {
-        edit_panel_.draw(content, left, events_);
+    void draw_panels(const HudContent& content) {
+        const float hud_right = is_hud_shown_ ? draw_hud(content, has_details_) : 0.0f;
+        if (is_menu_shown_) menu_.draw(content, events_);
+        // beside the long panel
+        edit_panel_.draw(content, has_details_ ? hud_right : 0.0f, events_);
         if (are_sites_shown_) sites_.draw(content, events_);
         if (are_views_shown_) views_.draw(content, events_);
     }

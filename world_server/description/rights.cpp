@@ -16,8 +16,8 @@ void read_right(config::TableReader& reader, const std::string& key, Right& righ
         right = {who == "everyone", {}};
         return;
     }
-    right.everyone = false;
     reader.read(key, right.names);
+    right.everyone = std::ranges::find(right.names, "everyone") != right.names.end();
     for (const std::string& name : right.names) {
         if (!bus::is_valid_name(name)) {
             reader.reject(key, "must be \"everyone\", \"nobody\" or a list of senders' names");

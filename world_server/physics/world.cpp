@@ -106,18 +106,20 @@ bool World::Impl::remove(std::uint32_t id) {
     const auto found_at = objects.find(id);
     if (found_at != objects.end()) {
         btRigidBody& body = found_at->second->body();
+        wake_near(body);  // some may have rested on it
         soft.detach(body);
         joints.remove_of(id);
         contacts.remove(id);
         world.removeRigidBody(&body);
         objects.erase(found_at);
         centres_before.erase(id);
-    } else if (!soft.remove(id, world)) {
+    } else if (soft.remove(id, world)) {
+        wake_all();
+    } else {
         return false;
     }
     grabs.forget(id);
     holds.forget(id);
-    wake_all();  // some may have rested on it
     return true;
 }
 

@@ -12,6 +12,23 @@ void World::Impl::wake_all() {
     }
 }
 
+void World::Impl::wake_near(const btRigidBody& body) {
+    constexpr btScalar kMarginM = 0.02;
+    btVector3 low;
+    btVector3 high;
+    body.getAabb(low, high);
+    const btVector3 margin(kMarginM, kMarginM, kMarginM);
+    low -= margin;
+    high += margin;
+    for (auto& [id, object] : objects) {
+        if (!object->moves()) continue;
+        btVector3 its_low;
+        btVector3 its_high;
+        object->body().getAabb(its_low, its_high);
+        if (TestAabbAgainstAabb2(low, high, its_low, its_high)) object->body().activate();
+    }
+}
+
 void World::Impl::begin_holds() {
     if (holds.begin_tick([this](std::uint32_t id) { return find(id); })) wake_all();
 }
@@ -65,9 +82,11 @@ std::string World::holder_of(std::uint32_t id) const { return impl_->holds.holde
 bool World::place(std::uint32_t id, const geometry::RigidTransform& pose) {
     ObjectBody* found = impl_->find(id);
     if (found == nullptr) return false;
+    // only what rested on it or will touch it: an edit must not disturb what is far away
+    impl_->wake_near(found->body());
     found->set_state({.id = id, .world_from_object = pose});
     if (found->moves()) impl_->contacts.mark_teleported(id);
-    impl_->wake_all();
+    impl_->wake_near(found->body());
     return true;
 }
 

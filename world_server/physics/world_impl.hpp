@@ -35,6 +35,8 @@ struct World::Impl {
     /// Adds the moving bodies that touch a fixed one.
     void find_standing(std::vector<const btRigidBody*>& standing);
     void wake_all();
+    /// Wakes the objects whose boxes touch that of this body.
+    void wake_near(const btRigidBody& body);
     void begin_holds();
     void end_holds();
     std::optional<IncidentKind> find_incident(ObjectBody& object);

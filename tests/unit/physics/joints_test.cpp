@@ -284,5 +284,33 @@ TEST(Joints, TornJointResetsItsObjectsAndIsReported) {
     EXPECT_TRUE(incidents.empty());
 }
 
+TEST(Joints, RiderOfASeesawSlidesDownAndIsNotLeftHanging) {
+    World world{{}};
+    world.add(floor_plane());
+    RigidObject stand = box_at(2, {0, 0, 0.15}, {0.1, 0.3, 0.3});
+    stand.mass_kg = 0.0;
+    RigidObject plank = box_at(3, {0, 0, 0.34}, {1.8, 0.25, 0.04});
+    plank.mass_kg = 12.6;
+    plank.friction = 0.5;
+    RigidObject rider = box_at(4, {0.7, 0, 0.44}, {0.15, 0.15, 0.15});
+    rider.mass_kg = 0.5;
+    rider.friction = 0.5;
+    world.add(stand);
+    world.add(plank);
+    world.add(rider);
+    ASSERT_TRUE(world.add_joint({.kind = JointKind::kHinge,
+                                 .a = 3,
+                                 .b = 2,
+                                 .anchor_m = {0, 0, 0.32},
+                                 .axis = Eigen::Vector3d::UnitY(),
+                                 .limits = {{-20 * kRadPerDeg, 20 * kRadPerDeg}},
+                                 .damping = 0.2}));
+    run(world, 10.0);
+    // 20 degrees are more than wood on cardboard holds
+    EXPECT_GT(state_of(world, 4).world_from_object.translation.x(), 0.9);
+    EXPECT_NEAR(state_of(world, 4).world_from_object.translation.z(), 0.075, 0.005);
+    EXPECT_TRUE(state_of(world, 4).linear_velocity.isZero(0.0)) << "it sleeps";
+}
+
 }  // namespace
 }  // namespace atrium::physics

@@ -1,8 +1,11 @@
 #include "things.hpp"
+#include "world_server/physics/state/world_state.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace atrium::physics {
 namespace {
@@ -72,6 +75,32 @@ TEST(Hold, MovesAFixedObjectAndWakesWhatLiesOnIt) {
     run(room.world, 1.5);
     EXPECT_NEAR(state_of(room.world, 4).world_from_object.translation.x(), 2.0, 1e-3);
     EXPECT_LT(state_of(room.world, 5).world_from_object.translation.z(), 0.2) << "it fell";
+}
+
+TEST(Place, WakesWhatLayOnTheObjectAndNothingElsewhere) {
+    EditedRoom room;
+    constexpr std::uint32_t kOnTop = 4;
+    room.world.add(box_at(kOnTop, {0, 0, 0.3}));
+    run(room.world, 5.0);
+    const auto sleeps = [&](std::uint32_t id) {
+        constexpr int kAsleep = 2;  // ISLAND_SLEEPING of Bullet
+        WorldState state;
+        room.world.get_state(state);
+        const auto found = std::ranges::find(state.objects, id, &ObjectMotion::id);
+        return found->activation == kAsleep;
+    };
+    ASSERT_TRUE(sleeps(kHeld) && sleeps(kOnTop) && sleeps(kOther));
+    ASSERT_TRUE(room.world.place(kHeld, pose_at({-1.5, 0, 0.1})));
+    run(room.world, 1.0);
+    EXPECT_TRUE(sleeps(kOther));
+    EXPECT_NEAR(state_of(room.world, kOnTop).world_from_object.translation.z(), 0.1, 0.005);
+    // and what lies where it comes to
+    run(room.world, 5.0);
+    ASSERT_TRUE(sleeps(kOnTop));
+    ASSERT_TRUE(room.world.place(kHeld, pose_at({0.1, 0, 0.1})));
+    run(room.world, 0.1);
+    EXPECT_FALSE(sleeps(kOnTop));
+    EXPECT_TRUE(sleeps(kOther));
 }
 
 TEST(Change, KeepsPoseAndMotionAndAppliesAtOnce) {

@@ -53,6 +53,13 @@ TEST(Rights, FollowTheFile) {
     EXPECT_EQ(rights->max_per_s, 10.0);
 }
 
+TEST(Rights, EveryoneInAListIsEveryone) {
+    const auto rights = read("[rights]\nsave = ['everyone']\nadd = ['eve', 'everyone']\n");
+    ASSERT_TRUE(rights) << rights.error().message;
+    EXPECT_TRUE(right_to(*rights, CommandKind::kSave).allows("mallory"));
+    EXPECT_TRUE(right_to(*rights, CommandKind::kAdd).allows("mallory"));
+}
+
 TEST(Rights, NameErrors) {
     EXPECT_THAT(read("[rights]\nadd = 'some'").error().message, HasSubstr("world.toml:2"));
     EXPECT_THAT(read("[rights]\nadd = ['a b']").error().message, HasSubstr("senders' names"));

@@ -36,6 +36,10 @@ struct JointOptions {
 struct RigidOptions {
     HullOptions hull{};
     JointOptions joint{};
+    // A body below both for two seconds falls asleep. With Bullet's 0.8 m/s a box that begins to
+    // slide down a slope would stop there.
+    float sleep_mps = 0.1F;
+    float sleep_rad_s = 1.0F;
 };
 
 }  // namespace atrium::physics

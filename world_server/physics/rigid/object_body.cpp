@@ -21,6 +21,7 @@ ObjectBody::ObjectBody(const RigidObject& object, const WorldOptions& options)
     info.m_angularDamping = btScalar(0.1);
     body_ = std::make_unique<btRigidBody>(info);
     body_->setUserPointer(this);
+    body_->setSleepingThresholds(options.rigid.sleep_mps, options.rigid.sleep_rad_s);
     if (moves()) {
         // continuous collision for motion of more than half the radius per tick
         const auto radius = btScalar(inner_radius_m());

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace atrium::viewer {
 namespace {
 
@@ -66,6 +68,24 @@ TEST(NewObject, IsInThePictureAfterItHasFallen) {
         renderer::eye_of({.position_m = {0, -3, 1.6}, .target_m = {0, 0, 5}}, 640, 360);
     const auto at = make_object(wanted, up).world_from_object.translation;
     EXPECT_LT((at - up.eye_world()).norm(), 6.2);
+}
+
+TEST(NewObject, ComesBesideWhatIsThereButStaysInThePicture) {
+    const renderer::EyeView eye = renderer::eye_of(kEditorView, 640, 360);
+    const NewObject wanted{.size_m = {0.3, 0.3, 0.3}, .name = "ball"};
+    const Eigen::Vector3d free = make_object(wanted, eye).world_from_object.translation;
+    const auto place = [&](const std::vector<TakenPlace>& taken) -> Eigen::Vector3d {
+        return make_object(wanted, eye, taken).world_from_object.translation;
+    };
+    EXPECT_EQ(place({{free.head<2>() + Eigen::Vector2d(0.0, 2.0), 0.3}}), free) << "behind it";
+    const TakenPlace ball{free.head<2>(), 0.2};
+    const double least_m = 0.2 + 0.5 * std::hypot(0.3, 0.3);
+    const Eigen::Vector3d beside = place({ball});
+    EXPECT_GE((beside - free).norm(), least_m);
+    EXPECT_LT((beside - free).norm(), least_m + 0.11);
+    const TakenPlace left{beside.head<2>(), 0.2};
+    EXPECT_LT((place({ball, left}) - free).dot(beside - free), 0.0) << "on the other side";
+    EXPECT_EQ(place({{free.head<2>(), 50.0}}), free) << "all is taken";
 }
 
 TEST(NewObject, IsValidForTheWorld) {

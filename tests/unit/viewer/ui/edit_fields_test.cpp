@@ -121,7 +121,9 @@ TEST_F(ObjectPanel, TypesOneCoordinateAndKeepsTheOthersExactly) {
     pose.translation = {0.1, 0.2, 1.0 / 3.0};
     pose.rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1.0, 2.0, 3.0).normalized());
     click_field(part_of("x y z", 1), kSecondColumn_px);
-    const SurfaceEvents events = type({"minus", "1", "period", "5", "Return"});
+    for (const char* key : {"minus", "1", "period", "5"})
+        EXPECT_FALSE(after(key).edit.place) << "half a number is no place";
+    const SurfaceEvents events = after("Return");
     ASSERT_TRUE(events.edit.place);
     EXPECT_EQ(events.edit.place->object, 7U);
     EXPECT_FALSE(events.edit.place->is_held);
