@@ -174,10 +174,8 @@ std::vector<Expected<BackgroundStatistics>> learn_with_people(
     if (stop.stop_requested()) return all_failed(cameras.size(), stopped);
     if (!kept) return all_failed(cameras.size(), kept.error());
     const config::Rig& rig = source.rig();
-    app::log::info(
-        "comparing the pictures of {} cameras to find the empty room; this takes about twice as "
-        "long as reading them",
-        rig.cameras.size());
+    app::log::info("comparing the pictures of {} cameras to find the empty room",
+                   rig.cameras.size());
     const auto rooms = occupied_room::learn_occupied_room(
         seen_room(rig, *kept),
         segmentation,
