@@ -53,7 +53,7 @@ void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     for (auto& [id, object] : self.objects) around.bodies.push_back(&object->body());
     const std::vector<btRigidBody*>& still = self.surroundings.bodies();
     around.bodies.insert(around.bodies.end(), still.begin(), still.end());
-    self.find_standing(around.standing);
+    if (!self.soft.bodies().empty()) self.find_standing(around.standing);
 }
 
 void World::Impl::find_standing(std::vector<const btRigidBody*>& standing) {
