@@ -143,7 +143,8 @@ void compare(const OccupiedScene& scene, const std::string& folder) {
     Rooms learned;
     const auto begin = std::chrono::steady_clock::now();
     double never_empty = 0.0;
-    for (auto& room : occupied_room::learn_occupied_room(seen, {}, [](int, int) {}, {})) {
+    for (auto& room :
+         occupied_room::learn_occupied_room(seen, {}, [](std::size_t, std::size_t) {}, {})) {
         never_empty = std::max(never_empty, value_of(room).never_empty);
         learned.push_back(std::move(room->room));
     }
@@ -182,11 +183,15 @@ int main(int argc, char** argv) {
     const std::string folder = argc > 3 ? argv[3] : "";
     std::puts("scene,method,iou,hull_l,true_hull_l,never_empty,learning_s");
     const std::string only = argc > 4 ? argv[4] : "";
-    for (const OccupiedPlay& play : {OccupiedPlay{.name = "moves"},
-                                     {.name = "stands60", .still = 0.6},
-                                     {.name = "sways60", .still = 0.6, .sways = true},
-                                     {.name = "stands60_4", .still = 0.6, .num_cameras = 4},
-                                     {.name = "stands80", .still = 0.8}})
+    for (const OccupiedPlay& play :
+         {OccupiedPlay{.name = "moves"},
+          {.name = "stands60", .still = 0.6},
+          {.name = "sways60", .still = 0.6, .sways = true},
+          {.name = "stands60_4", .still = 0.6, .num_cameras = 4},
+          {.name = "stands80", .still = 0.8},
+          {.name = "line60", .still = 0.6, .along_x = true},
+          {.name = "line60_sways", .still = 0.6, .sways = true, .along_x = true},
+          {.name = "line60_7", .still = 0.6, .sways = true, .along_x = true, .num_cameras = 7}})
         if (only.empty() || only == play.name) compare(simulated_scene(argv[2], play), folder);
     const std::string horseman = std::string(argv[1]) + "/horseman";
     if (std::filesystem::exists(horseman) && (only.empty() || only == "horseman"))

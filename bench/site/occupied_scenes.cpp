@@ -23,8 +23,9 @@ image::YuvImage copy_of(const image::YuvView& view) {
     return copy;
 }
 
-// Places on a spiral: no two are close.
-Eigen::Vector3d place(std::size_t index) {
+// Places on a line, or on a spiral: no two are close.
+Eigen::Vector3d place(std::size_t index, bool along_x) {
+    if (along_x) return {0.8 * std::sin(2.4 * static_cast<double>(index)), 0.0, 0.0};
     const double turn = 2.4 * static_cast<double>(index);
     const double radius_m = 0.15 + 0.6 * std::fmod(0.37 * static_cast<double>(index), 1.0);
     return {radius_m * std::cos(turn), radius_m * std::sin(turn), 0.0};
@@ -81,7 +82,7 @@ OccupiedScene simulated_scene(const std::string& rig_file, const OccupiedPlay& p
         simulation::RoomOptions options;
         options.look = play.look;
         options.motion = is_still ? "sway" : "walk";
-        options.position_m = place(where);
+        options.position_m = place(where, play.along_x);
         options.heading_rad = 1.9 * static_cast<double>(where);
         auto renderer = value_of(simulation::RoomRenderer::create(scene.cameras, options));
         const std::size_t num = is_still ? num_still : kInstantsPerPlace;

@@ -29,6 +29,8 @@ struct OccupiedPlay {
     /// Share of the time that the person spends at one place without a step.
     double still = 0.0;
     bool sways = false;  // while standing: shifts the weight, instead of standing like a statue
+    /// Leaves the place only along x, the line of sight of the cameras there.
+    bool along_x = false;
     std::size_t num_cameras = 8;
     std::size_t num_instants = 40;
 };

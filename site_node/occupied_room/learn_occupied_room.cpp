@@ -30,6 +30,7 @@ struct Counts {
     std::array<std::uint16_t, kMaxClusters> person{};  // within a person
     std::array<std::uint16_t, kMaxClusters> alone{};   // within a person whom no other camera sees
     std::array<std::uint16_t, kMaxClusters> hidden{};  // as the room, but a person should be there
+    std::array<std::uint16_t, kMaxClusters> needed{};  // as the room, which cuts a person off
 };
 
 // One camera while it learns.
@@ -79,15 +80,15 @@ public:
             out = image::Mask(states_[i].width, states_[i].height);
             for (std::size_t b = 0; b < out.data.size(); ++b) {
                 const auto state = static_cast<BlockState>(states_[i].data[b]);
-                // a block that was never seen empty may hide a person
-                const bool may_hide = state == BlockState::kPerson || unknown_[b] != 0;
-                out.data[b] = may_hide ? 255 : 0;
+                out.data[b] = state == BlockState::kPerson ? SpaceCarver::kPerson
+                              : unknown_[b] != 0           ? SpaceCarver::kMayHide
+                                                           : std::uint8_t{0};
             }
         }
     }
 
-    /// Counts the looks; `hidden[instant]` from the other cameras.
-    void count(std::size_t instant, const image::Mask& hidden) {
+    /// Counts the looks at one instant.
+    void count(std::size_t instant, const SpaceCarver::OthersSay& others) {
         const auto at = std::lower_bound(instants_.begin(), instants_.end(), instant);
         if (at == instants_.end() || *at != instant) return;
         const auto i = static_cast<std::size_t>(at - instants_.begin());
@@ -95,12 +96,14 @@ public:
             const std::uint8_t label = clusters_.labels[i][b];
             if (label == kNone) continue;
             const auto state = static_cast<BlockState>(states_[i].data[b]);
-            const bool is_hidden = hidden.data[b] != 0;
+            const bool is_hidden = others.hidden.data[b] != 0;
             Counts& counts = counts_[b];
             if (state == BlockState::kGhost) {
                 ++counts.ghost[label];
             } else if (state == BlockState::kPerson) {
                 ++(is_hidden ? counts.person : counts.alone)[label];
+            } else if (others.needed.data[b] != 0) {
+                ++counts.needed[label];
             } else {
                 ++(is_hidden ? counts.hidden : counts.empty)[label];
             }
@@ -154,9 +157,16 @@ void Camera::choose(const Counts& counts, std::size_t block) {
         unknown_[block] = 0;
         return;
     }
-    const std::uint8_t empty = most(counts.empty);
+    // as this camera sees it, a person who is always there: such a look cuts off what others need
+    std::array<std::uint16_t, kMaxClusters> seen_empty = counts.empty;
+    const auto cuts_off = [&](std::uint8_t look) {
+        return counts.needed[look] >= 3 && counts.needed[look] > 2 * counts.empty[look];
+    };
+    for (std::uint8_t look = 0; look < kMaxClusters; ++look)
+        if (cuts_off(look)) seen_empty[look] = 0;
+    const std::uint8_t empty = most(seen_empty);
     const double enough = std::max(2.0, 0.02 * num);
-    if (counts.empty[empty] >= enough) {
+    if (seen_empty[empty] >= enough) {
         chosen_[block] = empty;
         unknown_[block] = 0;
         return;
@@ -169,7 +179,8 @@ void Camera::choose(const Counts& counts, std::size_t block) {
     }
     // other cameras often see too much, so their word alone does not make a lasting look a person
     const std::uint8_t hidden = most(counts.hidden);
-    unknown_[block] = hidden == chosen_[block] && counts.hidden[hidden] >= 0.5 * num ? 0 : 1;
+    const bool lasts = hidden == chosen_[block] && counts.hidden[hidden] >= 0.5 * num;
+    unknown_[block] = lasts && !cuts_off(hidden) ? 0 : 1;
 }
 
 LearnedRoom Camera::finish() {
@@ -195,13 +206,19 @@ LearnedRoom Camera::finish() {
 std::vector<Expected<LearnedRoom>> learn_occupied_room(
     const OccupiedRoom& seen,
     const segmentation::SegmentationOptions& options,
-    const std::function<void(int, int)>& progress,
+    const std::function<void(std::size_t, std::size_t)>& progress,
     std::stop_token stop) {
     std::vector<Camera> cameras;
     std::size_t num_instants = 0;
+    std::size_t steps = 0;
+    const auto step = [&](std::size_t num) {
+        steps += num;
+        progress(steps, (1 + 2 * kRounds) * seen.pictures.size());
+    };
     for (const auto& pictures : seen.pictures) {
         num_instants = std::max(num_instants, pictures.size());
         cameras.emplace_back(pictures, options);
+        step(1);
         if (stop.stop_requested()) break;
     }
     SpaceCarver carver(seen.cameras, seen.bounds_site);
@@ -210,17 +227,19 @@ std::vector<Expected<LearnedRoom>> learn_occupied_room(
     for (int round = 0; round < kRounds && !stop.stop_requested(); ++round) {
         std::vector<std::vector<image::Mask>> people(num_instants,
                                                      std::vector<image::Mask>(cameras.size()));
-        for (std::size_t c = 0; c < cameras.size() && !stop.stop_requested(); ++c)
+        for (std::size_t c = 0; c < cameras.size() && !stop.stop_requested(); ++c) {
             if (cameras[c].has_enough()) cameras[c].segment(people, c);
-        std::vector<image::Mask> hidden;
+            step(1);
+        }
+        std::vector<SpaceCarver::OthersSay> others_say;
         for (std::size_t i = 0; i < num_instants && !stop.stop_requested(); ++i) {
-            carver.carve(people[i], hidden);
+            carver.carve(people[i], others_say);
             for (std::size_t c = 0; c < cameras.size(); ++c)
-                if (cameras[c].has_enough()) cameras[c].count(i, hidden[c]);
+                if (cameras[c].has_enough()) cameras[c].count(i, others_say[c]);
         }
         for (Camera& camera : cameras)
             if (camera.has_enough()) camera.choose();
-        progress(round + 1, kRounds);
+        step(cameras.size());
     }
     std::vector<Expected<LearnedRoom>> learned;
     for (std::size_t c = 0; c < seen.cameras.size(); ++c) {

@@ -51,12 +51,12 @@ constexpr std::size_t kMinOccupiedPictures = 8;
 /// - A block that shows no lasting look, and what such blocks enclose, was never seen empty.
 ///
 /// Results are in the order of the cameras; error kNotFound for a camera with too few pictures.
-/// Calls `progress(rounds done, rounds in total)`. Ends early with kUnavailable on a stop. Needs a
-/// few bytes per pixel, camera and instant.
+/// Calls `progress(steps done, steps in total)`; a step is a pass over the pictures of a camera.
+/// Ends early with kUnavailable on a stop. Needs a few bytes per pixel, camera and instant.
 std::vector<Expected<LearnedRoom>> learn_occupied_room(
     const OccupiedRoom& seen,
     const segmentation::SegmentationOptions& options,
-    const std::function<void(int, int)>& progress,
+    const std::function<void(std::size_t, std::size_t)>& progress,
     std::stop_token stop);
 
 }  // namespace atrium::occupied_room

@@ -71,28 +71,54 @@ image::Mask SpaceCarver::reachable(std::size_t camera, int columns, int rows) co
     return mask;
 }
 
-void SpaceCarver::carve(std::span<const image::Mask> masks,
-                        std::vector<image::Mask>& hidden_by_others) {
-    hidden_by_others.resize(masks.size());
+// Cameras that show a person at this cell whom no cell explains that all cameras see.
+int SpaceCarver::num_unexplained(std::span<const image::Mask> masks, std::size_t cell) const {
+    int num = 0;
     for (std::size_t camera = 0; camera < masks.size(); ++camera) {
-        hidden_by_others[camera] = image::Mask(masks[camera].width, masks[camera].height);
+        const std::int32_t block = views_[camera].block[cell];
+        if (block < 0 || masks[camera].data.empty()) continue;
+        const auto b = static_cast<std::size_t>(block);
+        num += masks[camera].data[b] == kPerson && explained_[camera].data[b] == 0 ? 1 : 0;
+    }
+    return num;
+}
+
+void SpaceCarver::carve(std::span<const image::Mask> masks, std::vector<OthersSay>& others_say) {
+    constexpr int kMaxMisses = 2;  // cameras that face each other lose the same part of a person
+    constexpr int kMinUnexplained = 3;
+    others_say.resize(masks.size());
+    explained_.resize(masks.size());
+    cuts_.clear();
+    for (std::size_t camera = 0; camera < masks.size(); ++camera) {
+        const image::Mask none(masks[camera].width, masks[camera].height);
+        others_say[camera] = {none, none};
+        explained_[camera] = none;
     }
     for (std::size_t cell = 0; cell < num_cells_; ++cell) {
         std::uint64_t sees = 0;
-        std::uint64_t misses = 0;  // the camera sees the room there, and nobody
-        for (std::size_t camera = 0; camera < masks.size() && std::popcount(misses) < 2; ++camera) {
+        std::uint64_t misses = 0;
+        for (std::size_t camera = 0; camera < masks.size() && std::popcount(misses) <= kMaxMisses;
+             ++camera) {
             const std::int32_t block = views_[camera].block[cell];
             if (block < 0 || masks[camera].data.empty()) continue;
             const std::uint64_t bit = std::uint64_t{1} << camera;
             sees |= bit;
             if (masks[camera].data[static_cast<std::size_t>(block)] == 0) misses |= bit;
         }
-        if (std::popcount(misses) > 1) continue;
+        if (std::popcount(misses) > kMaxMisses) continue;
+        if (misses != 0) cuts_.push_back({cell, misses});
         for (std::size_t camera = 0; camera < masks.size(); ++camera) {
             const std::uint64_t bit = std::uint64_t{1} << camera;
-            if ((misses & ~bit) == 0 && (sees & bit) != 0 && std::popcount(sees & ~bit) >= 2)
-                mark(camera, cell, hidden_by_others[camera]);
+            if ((sees & bit) == 0) continue;
+            if (misses == 0) mark(camera, cell, explained_[camera]);
+            if ((misses & ~bit) == 0 && std::popcount(sees & ~bit) >= 2)
+                mark(camera, cell, others_say[camera].hidden);
         }
+    }
+    for (const Cut& cut : cuts_) {
+        if (num_unexplained(masks, cut.cell) < kMinUnexplained) continue;
+        for (std::size_t camera = 0; camera < masks.size(); ++camera)
+            if ((cut.misses >> camera & 1) != 0) mark(camera, cut.cell, others_say[camera].needed);
     }
 }
 

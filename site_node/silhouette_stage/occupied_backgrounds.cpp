@@ -176,11 +176,14 @@ std::vector<Expected<BackgroundStatistics>> learn_with_people(
     const config::Rig& rig = source.rig();
     app::log::info("comparing the pictures of {} cameras to find the empty room",
                    rig.cameras.size());
+    std::optional<app::Progress> progress;
     const auto rooms = occupied_room::learn_occupied_room(
         seen_room(rig, *kept),
         segmentation,
-        [](int done, int total) {
-            app::log::info("learning the room with people in it round={} of={}", done, total);
+        [&](std::size_t done, std::size_t total) {
+            if (!progress) progress.emplace("step", total);
+            if (const auto line = progress->update(done))
+                app::log::info("learning the room with people in it: {}", *line);
         },
         stop);
     std::vector<Expected<BackgroundStatistics>> results;

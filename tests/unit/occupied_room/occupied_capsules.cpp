@@ -30,9 +30,9 @@ image::YuvImage patterned_room(std::size_t camera) {
 
 }  // namespace
 
-CapsuleFilm::CapsuleFilm()
+CapsuleFilm::CapsuleFilm(int num_cameras)
     : cameras(atrium::test::make_ring_rig(
-          {.num_cameras = 4, .radius_m = 3.2, .size_px = kSide, .focal_px = 170.0})),
+          {.num_cameras = num_cameras, .radius_m = 3.2, .size_px = kSide, .focal_px = 170.0})),
       bounds_site{{-1.2, -1.2, 0.0}, {1.2, 1.2, 2.0}} {
     for (std::size_t camera = 0; camera < cameras.size(); ++camera)
         rooms_.push_back(patterned_room(camera));

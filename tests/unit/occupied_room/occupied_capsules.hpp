@@ -12,10 +12,10 @@
 
 namespace atrium::occupied_room::test {
 
-/// Four cameras in a patterned room with a person made of capsules.
+/// Cameras on a ring in a patterned room with a person made of capsules.
 class CapsuleFilm {
 public:
-    CapsuleFilm();
+    explicit CapsuleFilm(int num_cameras = 4);
 
     /// A picture of `camera` with its own noise; the person stands at `floor_site` with clothes of
     /// two colours. Writes the true mask.
