@@ -5,6 +5,7 @@
 #include "world_server/physics/people/people_contacts.hpp"
 #include "world_server/physics/people/people_field.hpp"
 #include "world_server/physics/rigid/joints.hpp"
+#include "world_server/physics/rigid/load_solver.hpp"
 #include "world_server/physics/rigid/object_body.hpp"
 #include "world_server/physics/soft/soft_bodies.hpp"
 #include "world_server/physics/surroundings.hpp"
@@ -49,7 +50,7 @@ struct World::Impl {
     btDefaultCollisionConfiguration configuration;
     btCollisionDispatcher dispatcher{&configuration};
     btDbvtBroadphase broadphase;
-    btSequentialImpulseConstraintSolver solver;
+    LoadSolver solver{options.rigid.load};
     SoftBodies soft{options};
     btSoftRigidDynamicsWorld world{
         &dispatcher, &broadphase, &solver, &configuration, soft.solver()};

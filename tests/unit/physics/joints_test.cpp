@@ -70,6 +70,32 @@ TEST(Joints, HingeMotorTurnsAtItsSpeedInTheRightDirection) {
     EXPECT_NEAR(state_of(bar.world, 2).angular_velocity.z(), 3.0, 0.15);
 }
 
+TEST(Joints, AChainOfBallsCarriesTwoHundredTimesTheMassOfALink) {
+    World world({});
+    constexpr std::uint32_t kNumLinks = 3;
+    for (std::uint32_t i = 0; i <= kNumLinks; ++i) {
+        const bool is_weight = i == kNumLinks;
+        RigidObject link = box_at(2 + i, {0, 0, 3.85 - 0.3 * i});
+        link.shape = is_weight ? ObjectShape::kSphere : ObjectShape::kCapsule;
+        link.size_m = is_weight ? Eigen::Vector3d(0.3, 0.3, 0.3) : Eigen::Vector3d(0.03, 0.03, 0.3);
+        link.mass_kg = is_weight ? 20.0 : 0.1;
+        ASSERT_EQ(world.add(link), AddResult::kAdded);
+        ASSERT_TRUE(world.add_joint({.kind = JointKind::kBall,
+                                     .a = 2 + i,
+                                     .b = i == 0 ? 0 : 1 + i,
+                                     .anchor_m = {0, 0, 4.0 - 0.3 * i}}));
+    }
+    for (int second = 0; second < 10; ++second) {
+        if (second == 5) world.push(2 + kNumLinks, {10, 0, 0});
+        run(world, 1.0);
+        const double length_m = (state_of(world, 2 + kNumLinks).world_from_object.translation -
+                                 Eigen::Vector3d(0, 0, 4))
+                                    .norm();
+        EXPECT_NEAR(length_m, 1.05, 0.01) << second;
+    }
+    EXPECT_EQ(world.counters().num_torn, 0);
+}
+
 TEST(Joints, BallJointKeepsItsAnchorConeAndTwist) {
     Bar bar;
     ASSERT_TRUE(bar.world.add_joint({.kind = JointKind::kBall,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -81,6 +82,29 @@ TEST(World, KeepsATowerOfBoxesStanding) {
     const RigidState top = state_of(world, 6);
     EXPECT_NEAR(top.world_from_object.translation.z(), 0.125 + 4 * 0.25, 0.02);
     EXPECT_LT(top.world_from_object.translation.head<2>().norm(), 0.02);
+}
+
+TEST(World, KeepsATowerStandingWhoseMiddleIsAHundredTimesLighterThanItsTop) {
+    World world({});
+    world.add(floor_object());
+    const std::array<double, 3> masses_kg{45.0, 0.7, 70.0};
+    std::vector<RigidObject> tower;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        const RigidObject layer{
+            .id = 2 + i,
+            .size_m = {0.3, 0.3, 0.2},
+            .mass_kg = masses_kg[i],
+            .world_from_object = {Eigen::Quaterniond::Identity(), {0, 0, 0.1 + 0.2 * i}}};
+        tower.push_back(layer);
+        ASSERT_EQ(world.add(layer), AddResult::kAdded);
+    }
+    for (int i = 0; i < 60 * 120; ++i) world.tick();
+    for (const RigidObject& layer : tower) {
+        const Eigen::Vector3d start = layer.world_from_object.translation;
+        const Eigen::Vector3d moved =
+            state_of(world, layer.id).world_from_object.translation - start;
+        EXPECT_LT(moved.norm(), 0.005) << layer.id;
+    }
 }
 
 TEST(World, RefusesInvalidObjects) {
