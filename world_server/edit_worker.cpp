@@ -4,6 +4,7 @@
 #include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
 #include "core/model/model_file.hpp"
+#include "world_server/description/doubts.hpp"
 
 #include <fmt/format.h>
 
@@ -98,6 +99,8 @@ void EditWorker::add_model(const bus::SceneEdit& edit) {
 void EditWorker::load(const bus::SceneEdit& edit) {
     auto loaded = folder_.load(edit.world_file, config_);
     if (!loaded) return refuse(edit, loaded.error().message);
+    for (const std::string& doubt : doubts_about(*loaded, config_.tick_hz))
+        app::log::warn("{}", doubt);
     const auto world = std::make_shared<const WorldServerConfig>(std::move(*loaded));
     if (!commands_.put_prepared({edit, nullptr, world})) refuse(edit, "too many edits at once");
 }

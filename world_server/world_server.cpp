@@ -328,7 +328,8 @@ Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConf
     // only now: the state file belongs to the server that holds the name
     auto scene = start_scene(config, std::move(*described));
     if (!scene) return tl::unexpected(scene.error());
-    for (const std::string& doubt : doubts_about(config)) app::log::warn("{}", doubt);
+    for (const std::string& doubt : doubts_about(config, config.tick_hz))
+        app::log::warn("{}", doubt);
     const std::size_t num_soft = scene->soft_objects().size();
     app::log::info("running world={} objects={} soft={}",
                    config.bus.world,

@@ -1,6 +1,7 @@
 #include "world_server/description/doubts.hpp"
 
 #include "core/geometry/roll_pitch_yaw.hpp"
+#include "world_server/description/load_doubts.hpp"
 #include "world_server/description/start_doubts.hpp"
 
 #include <fmt/format.h>
@@ -252,7 +253,7 @@ void doubt_soft_models(const WorldDescription& world, std::vector<std::string>& 
 
 }  // namespace
 
-std::vector<std::string> doubts_about(const WorldDescription& world) {
+std::vector<std::string> doubts_about(const WorldDescription& world, double tick_hz) {
     std::vector<std::string> lines;
     doubt_textures(world, lines);
     doubt_colours(world, lines);
@@ -263,6 +264,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world) {
     doubt_limits(world, lines);
     doubt_soft_models(world, lines);
     doubt_starts(world, lines);
+    doubt_loads(world, tick_hz, lines);
     return lines;
 }
 

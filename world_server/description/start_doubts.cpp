@@ -1,6 +1,5 @@
 #include "world_server/description/start_doubts.hpp"
 
-#include "core/geometry/aabb.hpp"
 #include "world_server/physics/start_overlap.hpp"
 
 #include <fmt/format.h>
@@ -50,18 +49,6 @@ double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& ob
     return local_distance_m(object.world_from_object.inverse() * place_m, object);
 }
 
-geometry::Aabb world_box_of(const physics::RigidObject& object) {
-    const geometry::Aabb box = local_box_of(object);
-    geometry::Aabb world;
-    for (int corner = 0; corner < 8; ++corner) {
-        world.add(object.world_from_object *
-                  Eigen::Vector3d((corner & 1) != 0 ? box.max.x() : box.min.x(),
-                                  (corner & 2) != 0 ? box.max.y() : box.min.y(),
-                                  (corner & 4) != 0 ? box.max.z() : box.min.z()));
-    }
-    return world;
-}
-
 // A cheap test: most objects are far apart, and the exact one builds collision shapes.
 bool may_overlap(const geometry::Aabb& box, const WorldObject& fixed) {
     if (is_plane(fixed)) {
@@ -70,7 +57,7 @@ bool may_overlap(const geometry::Aabb& box, const WorldObject& fixed) {
         const double reach_m = 0.5 * normal.cwiseAbs().dot(box.size());
         return normal.dot(box.centre() - world_from_plane.translation) < reach_m;
     }
-    const geometry::Aabb other = world_box_of(fixed.rigid);
+    const geometry::Aabb other = start_box_of(fixed.rigid);
     return (box.min.array() <= other.max.array()).all() &&
            (other.min.array() <= box.max.array()).all();
 }
@@ -86,7 +73,7 @@ void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines)
     for (const WorldObject& object : world.objects) {
         if (object.rigid.mass_kg == 0.0) continue;
         const physics::RigidObject moving = to_rigid(object);
-        const geometry::Aabb box = world_box_of(moving);
+        const geometry::Aabb box = start_box_of(moving);
         for (const WorldObject& fixed : world.objects) {
             if (fixed.rigid.mass_kg != 0.0 || !may_overlap(box, fixed) ||
                 pass_through(world, object.rigid.id, fixed.rigid.id))
@@ -123,6 +110,18 @@ void doubt_soft(const WorldDescription& world, std::vector<std::string>& lines) 
 }
 
 }  // namespace
+
+geometry::Aabb start_box_of(const physics::RigidObject& object) {
+    const geometry::Aabb box = local_box_of(object);
+    geometry::Aabb world;
+    for (int corner = 0; corner < 8; ++corner) {
+        world.add(object.world_from_object *
+                  Eigen::Vector3d((corner & 1) != 0 ? box.max.x() : box.min.x(),
+                                  (corner & 2) != 0 ? box.max.y() : box.min.y(),
+                                  (corner & 4) != 0 ? box.max.z() : box.min.z()));
+    }
+    return world;
+}
 
 void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines) {
     doubt_rigid(world, lines);

@@ -1,11 +1,15 @@
 #pragma once
 
+#include "core/geometry/aabb.hpp"
 #include "world_server/description/world_description.hpp"
 
 #include <string>
 #include <vector>
 
 namespace atrium::world_server {
+
+/// Returns the bounding box of an object at its start, in the world; a plane's is infinite.
+geometry::Aabb start_box_of(const physics::RigidObject& object);
 
 /// Adds a line for each moving or soft object that starts inside a plane or another fixed object,
 /// unless a joint without `collide` connects the two. Solid scenery does not count.

@@ -52,6 +52,7 @@ void World::Impl::act_on(const Incident& incident) {
             ++counters.num_runaways;
             break;
         case IncidentKind::kTorn:
+        case IncidentKind::kMisshapen:
             ++counters.num_torn;
             break;
         case IncidentKind::kLeft:

@@ -39,7 +39,7 @@ class DeliveredWorld : public testing::TestWithParam<std::string> {};
 TEST_P(DeliveredWorld, LoadsAndComesToRest) {
     const auto config = test_support::load_world(world_file(GetParam()));
     ASSERT_TRUE(config) << config.error().message;
-    EXPECT_THAT(doubts_about(*config), testing::IsEmpty());
+    EXPECT_THAT(doubts_about(*config, config->tick_hz), testing::IsEmpty());
     auto scene = Scene::create(*config);
     ASSERT_TRUE(scene) << scene.error().message;
     double fastest = 0.0;

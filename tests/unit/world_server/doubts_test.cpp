@@ -16,6 +16,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 constexpr const char* kPainted =
     "mtllib paint.mtl\nusemtl paint\nv 0 0 0\nv 0.9 0 0\nv 0 0.9 0\nv 0 0 0.9\n"
@@ -41,7 +42,8 @@ protected:
         put("world.toml", text);
         const auto config = test_support::load_world(folder_ / "world.toml");
         EXPECT_TRUE(config) << config.error().message;
-        return config ? doubts_about(*config) : std::vector<std::string>{"not read"};
+        return config ? doubts_about(*config, config->tick_hz)
+                      : std::vector<std::string>{"not read"};
     }
 
     fs::path folder_;
@@ -277,6 +279,50 @@ TEST_F(WorldDoubts, NameAnObjectThatStartsInsideAFixedOne) {
         << "joined objects do not touch each other";
     EXPECT_THAT(doubts(wall + box("b", 1, "position_m = [0, 0, 1]") + joint + "collide = true\n"),
                 ElementsAre(HasSubstr("object_looks_wrong name=b")));
+}
+
+TEST_F(WorldDoubts, NameSomethingLightThatCarriesSomethingHeavy) {
+    const auto tower = [](double middle_kg, double top_kg, double top_m = 1.0) {
+        return kFloor + box("a", 45, "position_m = [0, 0, 0.2]") +
+               box("b", middle_kg, "position_m = [0, 0, 0.6]") +
+               box("c", top_kg, "position_m = [0, 0, " + std::to_string(top_m) + "]");
+    };
+    EXPECT_THAT(doubts(tower(1, 90)), IsEmpty());
+    EXPECT_THAT(doubts(tower(0.5, 60)),
+                ElementsAre(AllOf(
+                    HasSubstr("object_looks_wrong name=b reason=\"its 0.5 kg carry 60 kg, 120 "
+                              "times as much; the heaviest is c with 60 kg: it slides or falls "
+                              "above 100 times at world.tick_hz = 120"),
+                    HasSubstr("make b at least 0.63 kg, or run with world.tick_hz = 240"))));
+    EXPECT_THAT(doubts("[world]\ntick_hz = 240.0\n" + tower(0.5, 60)), IsEmpty());
+    EXPECT_THAT(doubts(tower(0.5, 60, 1.1)), IsEmpty()) << "the top is in the air";
+    EXPECT_THAT(doubts(tower(0.5, 60) + box("d", 0, "position_m = [0.38, 0, 0.6]")), IsEmpty())
+        << "a fixed box carries half of it";
+    EXPECT_THAT(doubts(tower(0.5, 40) + box("d", 30, "position_m = [0, 0, 1.4]")),
+                ElementsAre(HasSubstr("name=b reason=\"its 0.5 kg carry 70 kg, 140 times")));
+}
+
+TEST_F(WorldDoubts, NameALinkThatCarriesSomethingHeavy) {
+    const auto chain = [](double weight_kg) {
+        return box("l", 0.5, "position_m = [0, 0, 2]") + box("m", 0.4, "position_m = [0, 0, 1.6]") +
+               box("w", weight_kg, "position_m = [0, 0, 1.2]") +
+               "[[joint]]\nkind = \"ball\"\na = \"m\"\nb = \"l\"\nanchor_m = [0, 0, 1.8]\n"
+               "[[joint]]\nkind = \"ball\"\na = \"w\"\nb = \"m\"\nanchor_m = [0, 0, 1.4]\n";
+    };
+    const std::string hook = "[[joint]]\nkind = \"ball\"\na = \"l\"\nanchor_m = [0, 0, 2.2]\n";
+    EXPECT_THAT(doubts(chain(19) + hook), IsEmpty());
+    EXPECT_THAT(
+        doubts(chain(40) + hook),
+        ElementsAre(AllOf(HasSubstr("object_looks_wrong name=m reason=\"its 0.4 kg carry "
+                                    "40 kg, 100 times as much; the heaviest is w"),
+                          HasSubstr("stretch or tear above 50 times"),
+                          HasSubstr("make m and the links like it at least 0.84 kg, or run with "
+                                    "world.tick_hz = 240"))))
+        << "one line for a chain";
+    EXPECT_THAT(doubts(chain(1500) + hook), ElementsAre(Not(HasSubstr("or run"))));
+    EXPECT_THAT(doubts(chain(40)), IsEmpty()) << "hangs from nothing";
+    const std::string other_end = "[[joint]]\nkind = \"ball\"\na = \"w\"\nanchor_m = [0, 0, 1.0]\n";
+    EXPECT_THAT(doubts(chain(40) + hook + other_end), IsEmpty()) << "the weight is held itself";
 }
 
 TEST_F(WorldDoubts, NameAModelThatStartsInTheFloor) {

@@ -129,7 +129,7 @@ const std::vector<std::uint32_t>& SoftBodies::end_tick(
         const bool is_finite = soft->is_finite();
         if (!is_finite || soft->is_torn()) {
             ++(is_finite ? counters.num_torn : counters.num_not_finite);
-            record({id, is_finite ? IncidentKind::kTorn : IncidentKind::kNotFinite});
+            record({id, is_finite ? IncidentKind::kMisshapen : IncidentKind::kNotFinite});
             soft->reset_to_start();
         } else if (!box.contains(soft->centre())) {
             ++counters.num_strays;

@@ -9,7 +9,10 @@ std::string_view describe(IncidentKind kind) {
         case IncidentKind::kRunaway:
             return "became far too fast and was reset";
         case IncidentKind::kTorn:
-            return "was torn and was reset";
+            return "was torn at a joint and was reset: what hangs there may be too heavy; make the "
+                   "light links heavier or raise world.tick_hz";
+        case IncidentKind::kMisshapen:
+            return "was torn out of shape and was reset";
         case IncidentKind::kRemoved:
             return "left the world and was removed";
         case IncidentKind::kLeft:

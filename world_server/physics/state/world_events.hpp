@@ -10,6 +10,7 @@ enum class IncidentKind : std::uint8_t {
     kNotFinite,  // state not finite: returned to its start
     kRunaway,    // faster than any cause explains within one tick: returned to its start
     kTorn,       // separated at a joint: returned to its start
+    kMisshapen,  // soft object far out of shape: returned to its start
     kLeft,       // left the world's box: returned to its start
     kRemoved     // left the world's box: removed
 };
