@@ -1,6 +1,7 @@
 #include "site_node/capture/picture_file.hpp"
 
 #include "site_node/capture/truncated_picture.hpp"
+#include "site_node/capture/video_length.hpp"
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -146,10 +148,60 @@ struct PictureFile::Impl {
     cv::VideoCapture video;
     bool is_video = false;
     std::size_t num_pictures = 0;
+    std::size_t num_in_header = 0;  // of a video
+    std::string damage;             // of a video: why it ended early, once that is known
     std::size_t next_in_video = 0;
+    double last_picture_s = 0.0;  // time of the picture before `next_in_video`
     cv::Mat decoded;
 
+    // How many pictures were skipped before the video ended after `next_in_video`.
+    std::size_t num_skipped() const {
+        // AVI counts its pictures. MP4 also counts those that a cut hides, Matroska none; their
+        // pictures have times.
+        if (path.extension() == ".avi") return num_pictures - next_in_video;
+        const double rate_hz = video.get(cv::CAP_PROP_FPS);
+        const double last = std::round(last_picture_s * rate_hz);
+        if (!(last >= static_cast<double>(next_in_video) &&
+              last < static_cast<double>(num_pictures)))
+            return 0;
+        return static_cast<std::size_t>(last) + 1 - next_in_video;
+    }
+
+    Error no_frame(std::size_t index) const {
+        if (!damage.empty()) return {ErrorKind::kInvalidData, damage};
+        return {ErrorKind::kNotFound, fmt::format("{}: has no frame {}", path.string(), index)};
+    }
+
+    // The video has ended. Decoders skip damaged pictures, and those behind them move up.
+    void note_end() {
+        if (next_in_video >= num_pictures) return;
+        const std::size_t num = num_skipped();
+        if (num > 0) {
+            damage = fmt::format(
+                "{}: the video is damaged: {} of its {} pictures cannot be decoded, so pictures "
+                "behind the damage are shown too early; copy or export it again",
+                path.string(),
+                num,
+                num_pictures);
+        }
+        num_pictures = next_in_video;
+    }
+
+    // A picture that cannot be decoded fails like the end, but others may follow.
+    bool grab() {
+        constexpr std::size_t kMaxTries = 1000;
+        const std::size_t num_left =
+            num_pictures > next_in_video ? num_pictures - next_in_video : 1;
+        std::size_t num_tries = std::min(num_left, kMaxTries);
+        while (!video.grab())
+            if (--num_tries == 0) return false;
+        last_picture_s = video.get(cv::CAP_PROP_POS_MSEC) / 1000.0;
+        return true;
+    }
+
     Expected<void> read_video(std::size_t index) {
+        if (num_pictures > 0 && num_pictures < num_in_header && index >= num_pictures)
+            return tl::unexpected(no_frame(index));
         if (index < next_in_video && (!video.open(path.string()) || !video.isOpened())) {
             return make_error(ErrorKind::kInvalidData,
                               fmt::format("{}: cannot reopen", path.string()));
@@ -157,18 +209,21 @@ struct PictureFile::Impl {
         if (index < next_in_video) next_in_video = 0;
         // seeking by number is inexact for some codecs: frames in between are grabbed instead
         for (; next_in_video < index; ++next_in_video) {
-            if (!video.grab()) break;
+            if (!grab()) break;
         }
-        if (next_in_video != index || !video.read(decoded) || decoded.empty()) {
-            if (index == 0) {
+        if (next_in_video != index || !grab() || !video.retrieve(decoded) || decoded.empty()) {
+            if (next_in_video == 0) {
                 return make_error(
                     ErrorKind::kInvalidData,
-                    fmt::format("{}: cannot decode its first picture: the file is damaged or "
-                                "empty, or of a codec that OpenCV cannot read here; convert it",
-                                path.string()));
+                    fmt::format("{}: cannot decode its first picture: {}",
+                                path.string(),
+                                is_truncated_video(path)
+                                    ? "the file is truncated; copy or export it again"
+                                    : "the file is damaged or empty, or of a codec that OpenCV "
+                                      "cannot read here; convert it"));
             }
-            return make_error(ErrorKind::kNotFound,
-                              fmt::format("{}: has no frame {}", path.string(), index));
+            note_end();
+            return tl::unexpected(no_frame(index));
         }
         ++next_in_video;
         return {};
@@ -217,10 +272,15 @@ Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::strin
         impl.is_video = true;
         if (!impl.video.open(impl.path.string())) {
             return make_error(ErrorKind::kInvalidData,
-                              fmt::format("{}: cannot open as a video", impl.path.string()));
+                              fmt::format("{}: cannot open as a video{}",
+                                          impl.path.string(),
+                                          is_truncated_video(impl.path)
+                                              ? ": the file is truncated; copy or export it again"
+                                              : ""));
         }
-        impl.num_pictures =
+        impl.num_in_header =
             static_cast<std::size_t>(std::max(0.0, impl.video.get(cv::CAP_PROP_FRAME_COUNT)));
+        impl.num_pictures = num_whole_pictures(impl.path, impl.num_in_header);
         return file;
     }
     impl.path = folder / stem;
@@ -252,6 +312,12 @@ PictureFile PictureFile::of(const fs::path& picture) {
 const fs::path& PictureFile::path() const { return impl_->path; }
 bool PictureFile::is_video() const { return impl_->is_video; }
 std::size_t PictureFile::num_pictures() const { return impl_->num_pictures; }
+
+std::string PictureFile::why_shorter() const {
+    if (!impl_->is_video || impl_->num_pictures >= impl_->num_in_header) return {};
+    return impl_->path.string() + ": " +
+           text_of_truncated_video(impl_->num_pictures, impl_->num_in_header);
+}
 
 std::optional<PictureSize> PictureFile::size() {
     if (impl_->is_video) {

@@ -34,13 +34,19 @@ public:
 
     const std::filesystem::path& path() const;
     bool is_video() const;
-    /// Highest number + 1 of a sequence; for a video the number in its header.
+    /// Highest number + 1 of a sequence; for a video the number in its header, or the number of
+    /// whole pictures if the file is truncated.
     std::size_t num_pictures() const;
+
+    /// Right after `find`: that a video is truncated, with the file, both numbers and the cure;
+    /// else empty.
+    std::string why_shorter() const;
 
     /// Size of the first picture, as its file says; nullopt if it cannot be read.
     std::optional<PictureSize> size();
 
-    /// Errors: kNotFound if this number is missing, kInvalidData if it cannot be decoded.
+    /// Errors: kNotFound if this number is missing, kInvalidData if it cannot be decoded, or if a
+    /// video ends early because pictures inside it cannot be decoded.
     Expected<void> read(std::size_t index, image::YuvImage& out);
 
     /// Size in its file of the picture that was read last. `read` loses an odd last row or column.

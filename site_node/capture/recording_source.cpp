@@ -104,6 +104,10 @@ public:
     }
 
     std::size_t num_frames() const { return pictures_.num_pictures(); }
+    std::string why_shorter() const {
+        const std::string reason = pictures_.why_shorter();
+        return reason.empty() && masks_ ? masks_->why_shorter() : reason;
+    }
     bool is_video() const { return pictures_.is_video(); }
     bool has_masks() const { return masks_.has_value(); }
     bool has_inverted_masks() const { return has_inverted_masks_; }
@@ -174,6 +178,9 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
             options.folder / camera.name, camera.intrinsics, options.ignore_silhouettes);
         if (!track) return tl::unexpected(track.error());
         source->num_frames_ = std::max(source->num_frames_, (*track)->num_frames());
+        if (const std::string reason = (*track)->why_shorter();
+            options.report_unreadable && !reason.empty())
+            options.report_unreadable(fmt::format("camera '{}': {}", camera.name, reason));
         num_with_masks += (*track)->has_masks() ? 1 : 0;
         source->tracks_.push_back(std::move(*track));
     }

@@ -22,6 +22,7 @@ struct RecordingOptions {
     bool as_fast_as_possible = false;
     bool ignore_silhouettes = false;  // neither read nor checked
     /// Receives the reason for each picture that is left out: its file, number and what is wrong.
+    /// For a truncated or damaged video, one reason for all.
     std::function<void(const std::string&)> report_unreadable = {};
 };
 
@@ -44,7 +45,8 @@ public:
     /// Counts delivered pictures as received, missing or unreadable ones as incomplete.
     std::vector<CameraCounters> camera_counters() const override { return counters_.counters(); }
 
-    /// Number of frames of the camera with the most frames; for a video the number in its header.
+    /// Number of frames of the camera with the most frames; for a video the number in its header,
+    /// or of whole pictures if it is truncated.
     std::size_t num_frames() const override { return num_frames_; }
 
     bool has_empty_room(std::size_t camera) const override;

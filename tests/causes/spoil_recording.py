@@ -3,10 +3,13 @@
 
     spoil_recording.py RIG.toml FACTOR|invert|opengl|yup    translations in another unit, or extrinsics of another convention
     spoil_recording.py CAMERA black|small|background        silhouettes without anybody, or pictures of half the size
+    spoil_recording.py CAMERA cut|zeros                     frames as an uncompressed video, cut off or with zeros inside
 """
 
 import os
 import re
+import shutil
+import struct
 import sys
 
 import make_recording
@@ -50,5 +53,40 @@ def spoil_pictures(camera, how):
         make_recording.write_png(os.path.join(camera, kind, name), [row] * make_recording.HEIGHT, channels)
 
 
+def write_video(path, num_pictures):
+    """AVI of grey pictures without compression."""
+    width, height = make_recording.WIDTH, make_recording.HEIGHT
+    size = 3 * width * height
+
+    def chunk(kind, data):
+        return kind + struct.pack("<I", len(data)) + data
+
+    head = chunk(b"avih", struct.pack("<14I", 50000, 0, 0, 16, num_pictures, 0, 1, size, width, height, 0, 0, 0, 0))
+    stream = chunk(b"strh", b"vidsDIB " + struct.pack("<10I4H", 0, 0, 0, 1, 20, 0, num_pictures, size, 0, 0, 0, 0, width, height))
+    stream += chunk(b"strf", struct.pack("<IiiHHIIiiII", 40, width, height, 1, 24, 0, size, 0, 0, 0, 0))
+    picture = chunk(b"00db", bytes([100]) * size)
+    index = b"".join(b"00db" + struct.pack("<III", 16, 4 + i * len(picture), size) for i in range(num_pictures))
+    body = chunk(b"LIST", b"hdrl" + head + chunk(b"LIST", b"strl" + stream)) + chunk(b"LIST", b"movi" + picture * num_pictures)
+    with open(path, "wb") as file:
+        file.write(chunk(b"RIFF", b"AVI " + body + chunk(b"idx1", index)))
+
+
+def spoil_video(camera, how):
+    folder = os.path.join(camera, "frames")
+    num_pictures = len(os.listdir(folder))
+    shutil.rmtree(folder)
+    write_video(folder + ".avi", num_pictures)
+    middle = os.path.getsize(folder + ".avi") // 2
+    if how == "cut":
+        os.truncate(folder + ".avi", middle - 3 * make_recording.WIDTH * make_recording.HEIGHT // 2)
+        return
+    with open(folder + ".avi", "r+b") as file:
+        file.seek(middle)
+        file.write(bytes(6 * make_recording.WIDTH * make_recording.HEIGHT))
+
+
 if __name__ == "__main__":
+    if sys.argv[2] in ("cut", "zeros"):
+        spoil_video(sys.argv[1], sys.argv[2])
+        sys.exit()
     (spoil_rig if sys.argv[1].endswith(".toml") else spoil_pictures)(sys.argv[1], sys.argv[2])

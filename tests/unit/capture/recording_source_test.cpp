@@ -312,6 +312,63 @@ TEST_F(RecordingOnDisk, NamesEachPictureThatItLeavesOut) {
     EXPECT_THAT(reasons[1], HasSubstr("the file is empty"));
 }
 
+TEST_F(RecordingOnDisk, NamesATruncatedVideoOnceAndPlaysItsWholePictures) {
+    constexpr std::size_t kPictures = 20;
+    write_video("a", kPictures);
+    write_video("b", kPictures);
+    const fs::path video = folder_ / "b" / "frames.avi";
+    fs::resize_file(video, fs::file_size(video) * 3 / 4);
+    std::vector<std::string> reasons;
+    RecordingOptions options{folder_};
+    options.report_unreadable = [&](const std::string& reason) { reasons.push_back(reason); };
+    const auto frames = play(options);
+    ASSERT_EQ(reasons.size(), 1u);
+    EXPECT_THAT(reasons[0],
+                HasSubstr("camera 'b': " + video.string() + ": the video ends after picture "));
+    EXPECT_THAT(reasons[0], HasSubstr(" of 20: the file is truncated; copy or export it again"));
+    std::size_t num_whole = 0;
+    for (const CameraFrame& frame : frames) {
+        if (frame.camera == 0) continue;
+        EXPECT_NEAR(luma(frame.image, 20, 20), static_cast<double>(10 * ++num_whole + 1), 3.0);
+    }
+    EXPECT_THAT(num_whole, testing::AllOf(testing::Gt(3u), testing::Lt(20u)));
+    EXPECT_THAT(reasons[0], HasSubstr("picture " + std::to_string(num_whole) + " of 20"));
+    EXPECT_EQ(frames.size(), kPictures + num_whole);
+}
+
+TEST_F(RecordingOnDisk, IsAsLongAsItsLongestVideoReallyIs) {
+    for (const char* camera : {"a", "b"}) {
+        write_video(camera, 20);
+        const fs::path video = folder_ / camera / "frames.avi";
+        fs::resize_file(video, fs::file_size(video) * 3 / 4);
+    }
+    const auto source = RecordingSource::open({folder_});
+    ASSERT_TRUE(source) << source.error().message;
+    EXPECT_LT((*source)->num_frames(), 20u);
+    EXPECT_TRUE((*source)->read_frame((*source)->num_frames() - 1));
+}
+
+TEST_F(RecordingOnDisk, NamesAVideoThatIsDamagedInside) {
+    write_video("a", 20);
+    write_video("b", 20);
+    const fs::path video = folder_ / "b" / "frames.avi";
+    {
+        std::fstream stream(video, std::ios::binary | std::ios::in | std::ios::out);
+        stream.seekp(static_cast<std::streamoff>(fs::file_size(video) / 2));
+        stream << std::string(2000, '\0');
+    }
+    std::vector<std::string> reasons;
+    RecordingOptions options{folder_};
+    options.report_unreadable = [&](const std::string& reason) { reasons.push_back(reason); };
+    play(options);
+    ASSERT_FALSE(reasons.empty());
+    EXPECT_THAT(reasons, testing::Each(reasons.front()));
+    EXPECT_THAT(reasons[0],
+                testing::AllOf(HasSubstr(video.string() + ": the video is damaged: "),
+                               HasSubstr(" of its 20 pictures cannot be decoded"),
+                               HasSubstr("copy or export it again")));
+}
+
 TEST_F(RecordingOnDisk, FailsIfNoPictureCanBeRead) {
     for (const char* camera : {"a", "b"}) {
         fs::create_directories(folder_ / camera / "frames");

@@ -54,7 +54,7 @@ private:
     void take_numbering();
     Expected<void> look_at_all();
     Expected<void> compare_numbers();
-    void report_truncated(const std::string& camera, const Shots& shots);
+    void report_truncated(const std::string& camera, const std::string& doubt);
     Expected<void> gather_masks();
     Expected<void> align_masks();
     Expected<void> gather_backgrounds();
@@ -152,17 +152,8 @@ Expected<void> Gatherer::gather_frames() {
     return {};
 }
 
-// A truncated picture costs its instant: the hull of the site lacks this camera then.
-void Gatherer::report_truncated(const std::string& camera, const Shots& shots) {
-    const std::vector<fs::path> bad = truncated_pictures(shots);
-    if (bad.empty()) return;
-    problem(
-        fmt::format("camera '{}': {} truncated: {}{}; copy them again; the site leaves these "
-                    "instants out",
-                    camera,
-                    bad.size() == 1 ? "1 picture is" : fmt::format("{} are", bad.size()),
-                    bad.front().string(),
-                    bad.size() == 1 ? "" : ", ..."));
+void Gatherer::report_truncated(const std::string& camera, const std::string& doubt) {
+    if (!doubt.empty()) problem(fmt::format("camera '{}': {}", camera, doubt));
 }
 
 Expected<void> Gatherer::look_at_all() {
@@ -176,7 +167,7 @@ Expected<void> Gatherer::look_at_all() {
                          look->num_frames == 0 ? "video" : counted(look->num_frames, "picture"),
                          look->width,
                          look->height));
-        report_truncated(camera, shots);
+        report_truncated(camera, doubt_of_truncation(shots, *look));
         if (!shots.is_video) first = std::min(first, shots.pictures.begin()->first);
         fewest_ = std::min(fewest_, look->num_frames);
         if (look->rate_hz > 0.0) {
@@ -268,7 +259,7 @@ Expected<void> Gatherer::gather_masks() {
     material_.masks = std::move(matches->by_camera);
     count_by_one(material_.masks, numbering_);
     for (const auto& [camera, shots] : material_.masks)
-        report_truncated(camera + "', masks", shots);
+        report_truncated(camera + "', masks", doubt_of_truncation(shots));
     if (auto fitting = check_mask_sizes(material_); !fitting) return fitting;
     if (auto right = check_mask_values(material_, folders_.invert_masks); !right) return right;
     return align_masks();

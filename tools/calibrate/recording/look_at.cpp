@@ -1,4 +1,5 @@
 #include "site_node/capture/truncated_picture.hpp"
+#include "site_node/capture/video_length.hpp"
 #include "tools/calibrate/recording/codec_rate.hpp"
 #include "tools/calibrate/recording/shots.hpp"
 
@@ -12,6 +13,10 @@ namespace atrium::calibrate {
 namespace {
 
 Error not_decoded(const std::filesystem::path& file) {
+    if (capture::is_truncated_video(file)) {
+        return {ErrorKind::kInvalidData,
+                file.string() + ": the file is truncated; copy or export it again"};
+    }
     return {
         ErrorKind::kInvalidData,
         fmt::format("{}: cannot be decoded; convert it, for example with `ffmpeg -i IN OUT.mp4`",
@@ -35,11 +40,21 @@ Error picture_not_decoded(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::vector<std::filesystem::path> truncated_pictures(const Shots& shots) {
-    std::vector<std::filesystem::path> result;
+// A truncated picture costs its instant: the hull of the site lacks this camera then.
+std::string doubt_of_truncation(const Shots& shots, const Look& look) {
+    if (look.num_frames < look.num_in_header) {
+        return fmt::format("{}: {}; the site leaves out the instants after it",
+                           shots.path.string(),
+                           capture::text_of_truncated_video(look.num_frames, look.num_in_header));
+    }
+    std::vector<std::filesystem::path> bad;
     for (const auto& [number, file] : shots.pictures)
-        if (capture::is_truncated_picture(file)) result.push_back(file);
-    return result;
+        if (capture::is_truncated_picture(file)) bad.push_back(file);
+    if (bad.empty()) return {};
+    return fmt::format("{} truncated: {}{}; copy them again; the site leaves these instants out",
+                       bad.size() == 1 ? "1 picture is" : fmt::format("{} are", bad.size()),
+                       bad.front().string(),
+                       bad.size() == 1 ? "" : ", ...");
 }
 
 Expected<Look> look_at(const Shots& shots) try {
@@ -69,7 +84,8 @@ Expected<Look> look_at(const Shots& shots) try {
     }
     const double count = video.get(cv::CAP_PROP_FRAME_COUNT);
     if (std::isfinite(count) && count > 0.0 && count < 1e9)
-        look.num_frames = static_cast<std::size_t>(count);
+        look.num_in_header = static_cast<std::size_t>(count);
+    look.num_frames = capture::num_whole_pictures(shots.path, look.num_in_header);
     return look;
 } catch (const cv::Exception&) {
     return tl::unexpected(shots.is_video ? not_decoded(shots.path)

@@ -34,14 +34,16 @@ Expected<std::vector<Shots>> find_shots(const std::filesystem::path& folder);
 struct Look {
     int width = 0;
     int height = 0;
-    double rate_hz = 0.0;        // of a video, as the file's headers say; 0: unknown
-    double codec_rate_hz = 0.0;  // the same, as the pictures say (codec_rate.hpp); 0: unknown
-    std::size_t num_frames = 0;  // a video's may be wrong
+    double rate_hz = 0.0;           // of a video, as the file's headers say; 0: unknown
+    double codec_rate_hz = 0.0;     // the same, as the pictures say (codec_rate.hpp); 0: unknown
+    std::size_t num_frames = 0;     // a video's may be wrong
+    std::size_t num_in_header = 0;  // more than `num_frames` if a video is truncated
 };
 /// Opens the first picture. Error kInvalidData if it cannot be decoded, with cause and cure.
 Expected<Look> look_at(const Shots& shots);
 
-/// Files of a sequence that end before their picture does, as after an interrupted copy.
-std::vector<std::filesystem::path> truncated_pictures(const Shots& shots);
+/// What is wrong with pictures or a video that end too early, as after an interrupted copy, and the
+/// cure; empty if none does. `look` is of the same shots; masks have none.
+std::string doubt_of_truncation(const Shots& shots, const Look& look = {});
 
 }  // namespace atrium::calibrate
