@@ -1,6 +1,7 @@
 #include "tools/calibrate/conclude.hpp"
 
 #include "tools/calibrate/conclude_up.hpp"
+#include "tools/calibrate/formats/rig_name.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
 
 #include <fmt/format.h>
@@ -140,10 +141,13 @@ void Concluder::report_elsewhere(std::size_t camera) {
 }
 
 Expected<std::size_t> Concluder::index_of(const std::string& name) const {
-    for (std::size_t i = 0; i < cameras_.size(); ++i)
-        if (cameras_[i].name == name) return i;
+    const auto& cameras = foreign_.cameras;
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+        if (composed(cameras[i].known_name()) == composed(name)) return i;
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+        if (cameras[i].name == name) return i;
     std::string names;
-    for (const auto& camera : cameras_) names += (names.empty() ? "" : ", ") + camera.name;
+    for (const auto& camera : cameras) names += (names.empty() ? "" : ", ") + camera.known_name();
     return needs(fmt::format("no camera '{}' in the calibration; it has {}", name, names));
 }
 

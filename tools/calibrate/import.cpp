@@ -21,6 +21,13 @@ std::vector<std::string> names_of(const ForeignRig& rig) {
     return names;
 }
 
+Originals originals_of(const ForeignRig& rig) {
+    Originals result;
+    for (const ForeignCamera& camera : rig.cameras)
+        if (!camera.original.empty()) result[camera.name] = camera.original;
+    return result;
+}
+
 std::vector<std::string> moved(const ForeignRig& rig) {
     std::vector<std::string> names;
     for (const ForeignCamera& camera : rig.cameras)
@@ -59,7 +66,7 @@ Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Sa
                                               "have {}x{} px",
                                               (*said.size)[0],
                                               (*said.size)[1],
-                                              camera.name,
+                                              camera.known_name(),
                                               look.width,
                                               look.height));
             }
@@ -70,7 +77,7 @@ Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Sa
             ErrorKind::kConfiguration,
             fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px; if "
                         "they show the whole picture, scaled, say --size {}x{}",
-                        camera.name,
+                        camera.known_name(),
                         camera.lens.width,
                         camera.lens.height,
                         look.width,
@@ -132,9 +139,13 @@ Expected<void> check_number(const ForeignRig& rig, const ImportOptions& options)
 }
 
 Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
-    auto material = gather(
-        names_of(rig),
-        {options.recording, options.background, options.masks, options.invert_masks, moved(rig)});
+    auto material = gather(names_of(rig),
+                           {options.recording,
+                            options.background,
+                            options.masks,
+                            options.invert_masks,
+                            moved(rig),
+                            originals_of(rig)});
     if (!material) return material;
     keep_cameras(rig, [&](const std::string& name) { return material->frames.contains(name); });
     if (auto counted = check_number(rig, options); !counted) return tl::unexpected(counted.error());

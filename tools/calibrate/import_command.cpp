@@ -216,7 +216,7 @@ void add_import(CLI::App& app, Action& action) {
     command
         ->add_option("files",
                      options->files,
-                     "calibration files, a folder of them, or the folder of a COLMAP model")
+                     "calibration files, a folder of them, or the folder of COLMAP or of its model")
         ->required()
         ->type_name("FILE");
     command

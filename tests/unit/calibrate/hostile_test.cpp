@@ -2,11 +2,13 @@
 #include "tests/unit/calibrate/foreign_texts.hpp"
 #include "tools/calibrate/conclude.hpp"
 #include "tools/calibrate/formats/format.hpp"
+#include "tools/calibrate/formats/rig_name.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <map>
 
 namespace atrium::calibrate {
 namespace {
@@ -178,6 +180,37 @@ TEST(Hostile, NamesOfCamerasAreMadeSafe) {
         EXPECT_NE(camera.name, "..");
     }
     EXPECT_EQ(rig->notes.size(), 4u);
+}
+
+TEST(Hostile, NamesInOtherAlphabetsStayReadable) {
+    EXPECT_EQ(rig_name("Tür 2"), "Tuer_2");
+    EXPECT_EQ(rig_name("Tu\u0308r 2"), "Tuer_2");  // decomposed, as macOS writes it
+    EXPECT_EQ(rig_name("Straße"), "Strasse");
+    EXPECT_EQ(rig_name("côté Édouard"), "cote_Edouard");
+    EXPECT_EQ(rig_name("Łódź"), "Lodz");
+    EXPECT_EQ(rig_name("左cam1"), "_cam1");
+    EXPECT_EQ(rig_name("左"), "");
+    EXPECT_EQ(rig_name("a\xff\xe5"), "a__");
+    EXPECT_EQ(rig_name(std::string(70, 'x')), std::string(60, 'x'));
+}
+
+TEST(Hostile, NamesThatARigCannotHaveDoNotTakeThoseOfOthers) {
+    const test::Folder folder;
+    atrium::test::Random random(8);
+    auto cameras = test::random_room(random, 4);
+    cameras[0].name = "左";
+    cameras[1].name = "cam1";
+    cameras[2].name = "Tür";
+    cameras[3].name = "Tuer";
+    const auto rig = read_foreign({folder.write("a.json", test::opencv_json(cameras))}, "auto");
+    ASSERT_TRUE(rig) << rig.error().message;
+    std::map<std::string, std::string> names;
+    for (const ForeignCamera& camera : rig->cameras) names[camera.known_name()] = camera.name;
+    EXPECT_EQ(names.at("cam1"), "cam1");
+    EXPECT_EQ(names.at("Tuer"), "Tuer");
+    EXPECT_EQ(names.at("Tür"), "Tuer_2");
+    EXPECT_EQ(names.size(), 4u);
+    EXPECT_EQ(rig->notes.size(), 2u);
 }
 
 // A file that was cut off says so, with the line where it ends.

@@ -47,6 +47,28 @@ TEST(WholeNames, AreFoundAsPartsOfFileNames) {
                                      Pair("00_11", "hdVideos/hd_00_11")));
 }
 
+TEST(WholeNames, OfOtherAlphabetsAreThoseInTheCalibration) {
+    const Originals originals{{"cam1", "左"}, {"cam2", "前左"}, {"Tuer", "Tür"}, {"Toer", "Tör"}};
+    const auto matched = [&](const std::vector<std::string>& labels) {
+        std::map<std::string, std::string> result;
+        const auto matches =
+            match_shots({"cam1", "cam2", "Tuer", "Toer"}, videos_with(labels), originals);
+        if (!matches) return std::map<std::string, std::string>{{"error", matches.error().message}};
+        for (const auto& [camera, shots] : matches->by_camera) result[camera] = shots.label;
+        return result;
+    };
+    EXPECT_THAT(matched({"左", "前左", "To\u0308r", "take TÜR"}),
+                UnorderedElementsAre(Pair("cam1", "左"),
+                                     Pair("cam2", "前左"),
+                                     Pair("Toer", "To\u0308r"),
+                                     Pair("Tuer", "take TÜR")));
+    // names of the rig, where the calibration's do not occur
+    EXPECT_THAT(
+        matched({"左", "前左", "Toer", "Tuer"}),
+        UnorderedElementsAre(
+            Pair("cam1", "左"), Pair("cam2", "前左"), Pair("Toer", "Toer"), Pair("Tuer", "Tuer")));
+}
+
 // The folder 00_07 is of a camera that the calibration lacks, not of 03_07.
 TEST(WholeNames, AreNotReplacedByANumberThatTwoCamerasHave) {
     EXPECT_THAT(labels_of({"00_04", "02_04", "03_07", "04_07"}, {"hd/00_04", "hd/00_07"}),

@@ -153,6 +153,28 @@ TEST_F(Mistakes, AHeightSaysWhereThenTheCamerasLook) {
                                HasSubstr("m below it"))));
 }
 
+TEST_F(Mistakes, AMeasuredCameraHasItsNameInTheFileOrInTheRig) {
+    cameras_[0].name = "Küche links";
+    cameras_[1].name = "Tür";
+    const double distance = (cameras_[0].centre_site() - cameras_[1].centre_site()).norm();
+    const std::string text = test::opencv_json(cameras_);
+    for (const char* name : {"Küche links", "Ku\u0308che links", "Kueche_links"}) {
+        Said said;
+        said.distance = Said::Distance{name, "Tür", distance};
+        said.height = Said::Height{"Tuer", cameras_[1].centre_site().z()};
+        const auto result = conclude_from("a.json", text, said);
+        ASSERT_TRUE(result) << result.error().message;
+        EXPECT_THAT(result->told, Contains("camera 'Küche links' is called 'Kueche_links' here"));
+    }
+    Said said;
+    said.distance = Said::Distance{"Flur", "Tür", distance};
+    const auto unknown = conclude_from("a.json", text, said);
+    ASSERT_FALSE(unknown);
+    EXPECT_THAT(unknown.error().message,
+                HasSubstr("no camera 'Flur' in the calibration; it has Küche links, Tür, cam3"));
+    EXPECT_TRUE(read_foreign({folder_.write("b.json", text)}, "auto", {"K*links", "Tu\u0308r"}));
+}
+
 TEST_F(Mistakes, AnUpThatTurnsPeopleOverIsAProblem) {
     Said said;
     said.up = "-Z";

@@ -1,5 +1,6 @@
 // Pictures in the layouts of other programs become a recording.
 #include "tests/unit/calibrate/recording_fixture.hpp"
+#include "tools/calibrate/formats/format.hpp"
 #include "tools/calibrate/recording/codec_rate.hpp"
 #include "tools/calibrate/recording/matching.hpp"
 
@@ -16,6 +17,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 using test::ImportedRecording;
 using test::write_picture;
@@ -197,6 +199,21 @@ TEST_F(ImportedRecording, NamesTruncatedPicturesAndTheCure) {
                 AllOf(HasSubstr("0000.png: the file is truncated"), HasSubstr("copy it again")));
 }
 
+TEST_F(ImportedRecording, CountsTheWholePicturesOfATruncatedVideo) {
+    for (int camera = 1; camera <= 3; ++camera)
+        write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 20);
+    fs::resize_file(take("cam2.avi"), fs::file_size(take("cam2.avi")) * 3 / 4);
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->told, Contains(HasSubstr("camera 'cam1': cam1, 20 pictures")));
+    EXPECT_THAT(report->told, Not(Contains(HasSubstr("camera 'cam2': cam2, 20 pictures"))));
+    EXPECT_THAT(
+        report->problems,
+        Contains(AllOf(HasSubstr("camera 'cam2': " + take("cam2.avi").string()),
+                       HasSubstr("the video ends after picture "),
+                       HasSubstr(" of 20: the file is truncated; copy or export it again"))));
+}
+
 TEST_F(ImportedRecording, NamesPicturesThatNoCameraHas) {
     for (int camera = 1; camera <= 4; ++camera)
         write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 8);
@@ -247,6 +264,29 @@ TEST_F(ImportedRecording, ReadsAFolderOfCalibrationFiles) {
 }
 
 // A layer of 25 pictures per second, each of one tick, as DivX writes it.
+TEST_F(ImportedRecording, FindsTheOnlyModelInAFolderOfColmap) {
+    const fs::path model = folder_.path() / "colmap/sparse/0";
+    fs::create_directories(model);
+    const auto opened = [&](const char* name) {
+        return with_folders_opened({folder_.path() / name});
+    };
+    EXPECT_FALSE(opened("colmap"));
+    std::ofstream(model / "cameras.bin") << "";
+    for (const char* name : {"colmap", "colmap/sparse", "colmap/sparse/0"}) {
+        const auto found = opened(name);
+        ASSERT_TRUE(found) << found.error().message;
+        EXPECT_THAT(*found, ElementsAre(model));
+    }
+    fs::create_directories(folder_.path() / "colmap/sparse/1");
+    std::ofstream(folder_.path() / "colmap/sparse/1/cameras.bin") << "";
+    const auto several = opened("colmap");
+    ASSERT_FALSE(several);
+    EXPECT_THAT(several.error().message,
+                AllOf(HasSubstr("holds several models of COLMAP: "),
+                      HasSubstr("sparse/0, "),
+                      HasSubstr("sparse/1; give the one with all cameras")));
+}
+
 TEST(CodecRate, IsThatOfMpeg4PicturesInAviOnly) {
     const test::Folder folder;
     const auto avi = [&](const std::string& codec) {

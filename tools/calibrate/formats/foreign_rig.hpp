@@ -16,7 +16,11 @@ struct ForeignCamera {
     geometry::PinholeCamera lens;  // width 0: the file does not say
     bool has_lens = false;
     std::optional<ForeignPose> pose;
-    bool has_moved = false;  // `pose` is the first of several
+    bool has_moved = false;     // `pose` is the first of several
+    std::string original = {};  // name in the file if `name` is another one, else empty
+
+    /// The name that the user knows.
+    const std::string& known_name() const { return original.empty() ? name : original; }
 };
 
 /// The cameras of one or more files of another program. Lengths are in the unit of the file.

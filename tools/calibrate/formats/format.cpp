@@ -1,5 +1,7 @@
 #include "tools/calibrate/formats/format.hpp"
 
+#include "tools/calibrate/formats/rig_name.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fnmatch.h>
@@ -32,6 +34,22 @@ bool holds_colmap_model(const fs::path& folder) {
            fs::exists(folder / "images.txt", failure) ||
            fs::exists(folder / "cameras.bin", failure) ||
            fs::exists(folder / "images.bin", failure);
+}
+
+// The models of COLMAP in its usual folders: FOLDER/0, FOLDER/sparse, FOLDER/sparse/0.
+Files models_below(const fs::path& folder) {
+    constexpr std::size_t kMaxModels = 8;
+    Files models;
+    for (const fs::path& place : {folder, folder / "sparse"}) {
+        std::error_code failure;
+        for (fs::directory_iterator entry(place, failure), end;
+             !failure && entry != end && models.size() < kMaxModels;
+             entry.increment(failure)) {
+            if (holds_colmap_model(entry->path())) models.push_back(entry->path());
+        }
+    }
+    std::ranges::sort(models);
+    return models;
 }
 
 // Finds the format from the first file's name and content.
@@ -80,35 +98,30 @@ Expected<ForeignRig> read(const Files& files, Format format) {
 }
 
 // Names become folders and keys: A-Z a-z 0-9 _ . - of at most 63 characters.
-std::string with_valid_letters(const std::string& original) {
-    std::string name = original.substr(0, 60);
-    for (char& c : name)
-        if (!config::is_valid_name(std::string(1, c))) c = '_';
-    return name;
-}
-
 void make_names_valid(ForeignRig& rig) {
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
         const std::string original = rig.cameras[i].name;
-        std::string name = with_valid_letters(original);
-        if (name.empty() || name == "." || name == "..") name = fmt::format("cam{}", i);
+        std::string name = rig_name(original);
+        if (name.empty() || name == "." || name == "..") name = fmt::format("cam{}", i + 1);
+        // neither a name that was given, nor one that another camera has in the file
         const auto is_taken = [&](const std::string& wanted) {
-            return std::any_of(rig.cameras.begin(),
-                               rig.cameras.begin() + static_cast<std::ptrdiff_t>(i),
-                               [&](const ForeignCamera& other) { return other.name == wanted; });
+            return std::ranges::any_of(rig.cameras, [&](const ForeignCamera& other) {
+                return other.name == wanted && (&other < &rig.cameras[i] || wanted != original);
+            });
         };
         std::string free = name;
         for (int k = 2; is_taken(free); ++k) free = fmt::format("{}_{}", name.substr(0, 56), k);
         if (free != original)
             rig.notes.push_back(fmt::format("camera '{}' is called '{}' here", original, free));
+        if (free != original) rig.cameras[i].original = original;
         rig.cameras[i].name = free;
     }
 }
 
 // As it is in the file, or as it is called here.
 bool matches_name(const std::string& pattern, const std::string& name) {
-    return fnmatch(pattern.c_str(), name.c_str(), 0) == 0 ||
-           fnmatch(pattern.c_str(), with_valid_letters(name).c_str(), 0) == 0;
+    return fnmatch(composed(pattern).c_str(), composed(name).c_str(), 0) == 0 ||
+           fnmatch(pattern.c_str(), rig_name(name).c_str(), 0) == 0;
 }
 
 Expected<void> select_cameras(ForeignRig& rig, const std::vector<std::string>& patterns) {
@@ -192,6 +205,17 @@ Expected<Files> with_folders_opened(const Files& files) {
                 entry->path().filename().string().ends_with(".qca.txt");
             if (is_calibration && entry->is_regular_file(failure)) inside.push_back(entry->path());
         }
+        if (inside.empty()) inside = models_below(file);
+        if (inside.size() > 1 && holds_colmap_model(inside.front())) {
+            std::string names;
+            for (const fs::path& model : inside)
+                names += (names.empty() ? "" : ", ") + model.string();
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format("{}: holds several models of COLMAP: {}; give the one with all cameras",
+                            file.string(),
+                            names));
+        }
         if (inside.empty()) {
             return make_error(
                 ErrorKind::kNotFound,
@@ -217,7 +241,7 @@ tl::unexpected<Error> too_many_cameras(const std::string& where) {
 void keep_cameras(ForeignRig& rig, const std::function<bool(const std::string&)>& is_wanted) {
     for (const ForeignCamera& camera : rig.cameras) {
         if (is_wanted(camera.name)) continue;
-        const std::string start = fmt::format("camera '{}'", camera.name);
+        const std::string start = fmt::format("camera '{}'", camera.known_name());
         std::erase_if(rig.notes, [&](const std::string& note) { return note.starts_with(start); });
     }
     std::erase_if(rig.cameras,

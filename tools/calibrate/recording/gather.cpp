@@ -2,7 +2,6 @@
 
 #include "tools/calibrate/recording/instants.hpp"
 #include "tools/calibrate/recording/mask_checks.hpp"
-#include "tools/calibrate/recording/matching.hpp"
 #include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
@@ -60,6 +59,11 @@ private:
     Expected<void> gather_backgrounds();
     void report_backgrounds(const std::vector<std::string>& without);
 
+    // the names that the user knows
+    std::string known(std::vector<std::string> cameras) const {
+        for (std::string& camera : cameras) camera = known_name(camera, folders_.originals);
+        return listed(cameras);
+    }
     void tell(std::string text) { material_.told.push_back(std::move(text)); }
     void check(std::string text) { material_.checks.push_back(std::move(text)); }
     void problem(std::string text) { material_.problems.push_back(std::move(text)); }
@@ -89,7 +93,7 @@ void Gatherer::sort_out(const std::vector<Shots>& found) {
 }
 
 Expected<void> Gatherer::gather_frames() {
-    auto matches = match_shots(cameras_, frames_);
+    auto matches = match_shots(cameras_, frames_, folders_.originals);
     if (!matches) return tl::unexpected(matches.error());
     material_.frames = std::move(matches->by_camera);
     for (const std::string& camera : matches->missing) {
@@ -113,8 +117,9 @@ Expected<void> Gatherer::gather_frames() {
         if (!masks_.empty()) aside += "; " + why_masks_need_pictures(masks_[0]);
         const std::string own = fs::weakly_canonical(folders_.frames).filename().string();
         for (const std::string& camera : cameras_) {
-            if (likeness(camera, own, {}) < 90) continue;
-            aside += "; this looks like the folder of camera '" + camera +
+            const std::string& name = known_name(camera, folders_.originals);
+            if (likeness(name, own, {}) < 90) continue;
+            aside += "; this looks like the folder of camera '" + name +
                      "' alone: give the one above it, which holds all cameras";
         }
         return make_error(
@@ -122,13 +127,13 @@ Expected<void> Gatherer::gather_frames() {
             fmt::format("{}: no pictures of {}; found {}{}; give videos or folders the names of "
                         "the cameras",
                         folders_.frames.string(),
-                        listed(material_.missing),
+                        known(material_.missing),
                         labels.empty() ? "neither videos nor pictures" : listed(labels),
                         aside));
     }
     if (!material_.left_out.empty()) {
         tell(fmt::format("left out: {}: it moved, and has no pictures in {}",
-                         listed(material_.left_out),
+                         known(material_.left_out),
                          folders_.frames.string()));
     }
     if (!material_.missing.empty()) {
@@ -139,7 +144,7 @@ Expected<void> Gatherer::gather_frames() {
             material_.missing.size(),
             cameras_.size() - material_.left_out.size(),
             folders_.frames.string(),
-            listed(material_.missing),
+            known(material_.missing),
             labels.empty() ? "" : " (not used: " + listed(labels) + ")"));
     }
     if (material_.missing.empty() && !labels.empty()) {
@@ -147,7 +152,7 @@ Expected<void> Gatherer::gather_frames() {
             fmt::format("pictures not used: {}; the calibration has no camera of these names, only "
                         "{}",
                         listed(labels),
-                        listed(cameras_)));
+                        known(cameras_)));
     }
     return {};
 }
@@ -234,7 +239,7 @@ Expected<void> Gatherer::gather_masks() {
                           "--invert-masks: no masks were found; give their folder with --masks");
     }
     if (masks_.empty() && !is_named) return {};
-    auto matches = match_shots(with_frames_, masks_);
+    auto matches = match_shots(with_frames_, masks_, folders_.originals);
     if (!matches) return make_error(matches.error().kind, "masks: " + matches.error().message);
     const std::string where = (is_named ? folders_.masks : folders_.frames).string();
     const auto video = std::ranges::find_if(
@@ -251,7 +256,7 @@ Expected<void> Gatherer::gather_masks() {
             "masks: {} has none of {}; a site takes masks of all cameras or of none: give the "
             "folders of the masks the names of the cameras",
             where,
-            listed(matches->missing));
+            known(matches->missing));
         if (is_named) return make_error(ErrorKind::kConfiguration, text);
         problem(text);
         return {};
@@ -341,7 +346,7 @@ Expected<void> Gatherer::gather_backgrounds() {
         if (std::ranges::any_of(rooms_, &Shots::is_background))
             std::erase_if(rooms_, [](const Shots& shots) { return !shots.is_background; });
     }
-    auto matches = match_shots(with_frames_, rooms_);
+    auto matches = match_shots(with_frames_, rooms_, folders_.originals);
     if (!matches) return make_error(matches.error().kind, "background: " + matches.error().message);
     material_.backgrounds = std::move(matches->by_camera);
     if (!material_.masks.empty()) return {};
@@ -363,7 +368,7 @@ void Gatherer::report_backgrounds(const std::vector<std::string>& without) {
         problem(
             fmt::format("background: no empty room of {}, and {} per camera is too few to "
                         "learn it from ({}): site_node will end with an error; {}",
-                        listed(without),
+                        known(without),
                         counted(fewest_, "picture"),
                         kFewestToLearnFrom,
                         cure));
@@ -372,7 +377,7 @@ void Gatherer::report_backgrounds(const std::vector<std::string>& without) {
     check(
         fmt::format("background: no empty room of {}: the site learns it from the pictures with "
                     "people, which works where people move; for better outlines {}",
-                    listed(without),
+                    known(without),
                     cure));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "tools/calibrate/recording/matching.hpp"
 #include "tools/calibrate/recording/shots.hpp"
 
 #include <filesystem>
@@ -17,6 +18,7 @@ struct PictureFolders {
     std::filesystem::path masks;        // empty: below `frames`, by name
     bool invert_masks = false;          // people are black in them
     std::vector<std::string> optional;  // cameras that moved: not missed without pictures
+    Originals originals = {};           // names of cameras in the calibration, if other ones
 };
 
 /// The pictures of a rig, found in folders of another program.

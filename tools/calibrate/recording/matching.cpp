@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 
 namespace atrium::calibrate {
 namespace {
@@ -60,7 +61,8 @@ std::string last_number(const std::vector<std::string>& name) {
 // Where the whole of `name` is in `part`, not as a piece of a longer word or number.
 std::vector<std::size_t> places_of(const std::string& name, const std::string& part) {
     const auto ends_at = [&](std::size_t i) {
-        return i >= part.size() || std::isalnum(static_cast<unsigned char>(part[i])) == 0;
+        return i >= part.size() ||
+               (!is_letter(part[i]) && std::isdigit(static_cast<unsigned char>(part[i])) == 0);
     };
     std::vector<std::size_t> places;
     for (std::size_t at = part.find(name); at != std::string::npos; at = part.find(name, at + 1))
@@ -180,7 +182,14 @@ int likeness(const std::string& camera,
     return best;
 }
 
-Expected<Matches> match_shots(const std::vector<std::string>& cameras,
+const std::string& known_name(const std::string& camera, const Originals& originals) {
+    const auto found = originals.find(camera);
+    return found == originals.end() ? camera : found->second;
+}
+
+namespace {
+
+Expected<Matches> match_names(const std::vector<std::string>& cameras,
                               const std::vector<Shots>& shots) {
     std::vector<std::string> labels;
     for (const Shots& one : shots)
@@ -217,7 +226,7 @@ Expected<Matches> match_shots(const std::vector<std::string>& cameras,
                               fmt::format("camera '{}' may be '{}' or '{}'; name the folder of one "
                                           "recording, move other pictures away, or give the "
                                           "pictures the names of the cameras; an empty room is "
-                                          "given with --background",
+                                          "given with --background, masks with --masks",
                                           camera,
                                           chosen.label,
                                           fitting[1]->label));
@@ -232,6 +241,39 @@ Expected<Matches> match_shots(const std::vector<std::string>& cameras,
         }
         matches.by_camera[camera] = chosen;
     }
+    return matches;
+}
+
+}  // namespace
+
+Expected<Matches> match_shots(const std::vector<std::string>& cameras,
+                              const std::vector<Shots>& shots,
+                              const Originals& originals) {
+    std::map<std::string, std::string> camera_of;  // by the name in the calibration
+    std::vector<std::string> names;
+    for (const std::string& camera : cameras) {
+        const std::string& known = known_name(camera, originals);
+        // two cameras may have one name there
+        names.push_back(camera_of.contains(known) ? camera : known);
+        camera_of[names.back()] = camera;
+    }
+    auto by_name = match_names(names, shots);
+    if (!by_name) return by_name;
+    Matches matches;
+    for (const auto& [name, chosen] : by_name->by_camera)
+        matches.by_camera[camera_of.at(name)] = chosen;
+    for (const std::string& name : by_name->missing) matches.missing.push_back(camera_of.at(name));
+    if (matches.missing.empty() || originals.empty()) return matches;
+    std::vector<Shots> rest;
+    std::ranges::copy_if(shots, std::back_inserter(rest), [&](const Shots& one) {
+        return std::ranges::none_of(matches.by_camera, [&](const auto& entry) {
+            return entry.second.label == one.label || entry.second.path == one.path;
+        });
+    });
+    auto by_rig = match_names(matches.missing, rest);
+    if (!by_rig) return by_rig;
+    matches.by_camera.merge(by_rig->by_camera);
+    matches.missing = std::move(by_rig->missing);
     return matches;
 }
 

@@ -17,14 +17,22 @@ int likeness(const std::string& camera,
              const std::vector<std::string>& others,
              const std::vector<std::string>& cameras = {});
 
+/// The name in the calibration, of each camera that is called otherwise in the rig.
+using Originals = std::map<std::string, std::string>;
+
+/// The name that the user knows.
+const std::string& known_name(const std::string& camera, const Originals& originals);
+
 struct Matches {
     std::map<std::string, Shots> by_camera;
     std::vector<std::string> missing;  // cameras without pictures
 };
 /// Matches whole names first: a folder or file with the name of exactly one camera, as "hd_00_04"
 /// has that of "00_04", belongs to it. The cameras and pictures that are left go by `likeness`.
+/// A camera has two names if it is one of `originals`; the one in the calibration goes first.
 /// Error kConfiguration, with the names, if a camera fits two or two cameras fit one.
 Expected<Matches> match_shots(const std::vector<std::string>& cameras,
-                              const std::vector<Shots>& shots);
+                              const std::vector<Shots>& shots,
+                              const Originals& originals = {});
 
 }  // namespace atrium::calibrate

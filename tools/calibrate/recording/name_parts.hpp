@@ -6,10 +6,14 @@
 /// Parts of the names of cameras, folders and files.
 namespace atrium::calibrate {
 
-/// In lower case; bytes outside ASCII stay.
-std::string lower(std::string text);
+/// In lower case; of other alphabets only the Latin letters of Latin-1. Accents are composed.
+std::string lower(const std::string& text);
 
-/// Runs of letters, in lower case, and of digits, without leading zeros: "Cam_01b" is cam, 1, b.
+/// Whether a byte is a letter, or a part of a character outside ASCII.
+bool is_letter(char c);
+
+/// Runs of letters of any alphabet, in lower case, and of digits, without leading zeros: "Cam_01b"
+/// is cam, 1, b.
 std::vector<std::string> tokens(const std::string& text);
 
 /// Whether a token is a run of digits.
