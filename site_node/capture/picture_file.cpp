@@ -151,6 +151,7 @@ struct PictureFile::Impl {
     std::size_t num_in_header = 0;  // of a video
     std::string damage;             // of a video: why it ended early, once that is known
     std::size_t next_in_video = 0;
+    bool has_failed = false;      // a picture of a video, before others
     double last_picture_s = 0.0;  // time of the picture before `next_in_video`
     cv::Mat decoded;
 
@@ -158,7 +159,7 @@ struct PictureFile::Impl {
     std::size_t num_skipped() const {
         // AVI counts its pictures. MP4 also counts those that a cut hides, Matroska none; their
         // pictures have times.
-        if (path.extension() == ".avi") return num_pictures - next_in_video;
+        if (path.extension() == ".avi" || has_failed) return num_pictures - next_in_video;
         const double rate_hz = video.get(cv::CAP_PROP_FPS);
         const double last = std::round(last_picture_s * rate_hz);
         if (!(last >= static_cast<double>(next_in_video) &&
@@ -193,8 +194,10 @@ struct PictureFile::Impl {
         const std::size_t num_left =
             num_pictures > next_in_video ? num_pictures - next_in_video : 1;
         std::size_t num_tries = std::min(num_left, kMaxTries);
-        while (!video.grab())
+        bool is_first = true;
+        for (; !video.grab(); is_first = false)
             if (--num_tries == 0) return false;
+        has_failed = has_failed || !is_first;
         last_picture_s = video.get(cv::CAP_PROP_POS_MSEC) / 1000.0;
         return true;
     }

@@ -1,6 +1,7 @@
 #include "site_node/capture/picture_file.hpp"
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/capture/truncated_picture.hpp"
+#include "site_node/capture/video_length.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -191,6 +192,28 @@ TEST(TruncatedPicture, IsFoundAtEveryLength) {
     EXPECT_FALSE(is_truncated_picture(folder / "text.png"));
     EXPECT_FALSE(is_truncated_picture(folder / "none.png"));
     fs::remove_all(folder);
+}
+
+TEST(TruncatedVideo, IsFoundInEveryContainer) {
+    using namespace std::string_literals;
+    const std::vector<std::string> whole{
+        "RIFF\x10\0\0\0AVI "s + std::string(12, 'x'),
+        "\0\0\0\x10"s + "ftypisom\0\0\0\0"s + "\0\0\0\x20mdat"s + std::string(24, 'x'),
+        "\x1A\x45\xDF\xA3\x82xx\x18\x53\x80\x67\x40\x10"s + std::string(16, 'x')};
+    const fs::path file = fs::path(testing::TempDir()) / "truncated_video";
+    const auto is_truncated = [&](const std::string& bytes) {
+        std::ofstream(file, std::ios::binary) << bytes;
+        return is_truncated_video(file);
+    };
+    for (const std::string& bytes : whole) {
+        EXPECT_FALSE(is_truncated(bytes)) << bytes;
+        EXPECT_TRUE(is_truncated(bytes.substr(0, bytes.size() - 2))) << bytes;
+    }
+    EXPECT_FALSE(is_truncated("RIFF\0\0\0\0AVI xx"s));  // never closed: says nothing
+    EXPECT_FALSE(is_truncated("\0\0\0\0mdatxx"s));      // to the end of the file
+    EXPECT_FALSE(is_truncated("garbage"));
+    fs::remove(file);
+    EXPECT_FALSE(is_truncated_video(file));
 }
 
 }  // namespace
