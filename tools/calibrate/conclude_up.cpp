@@ -1,5 +1,6 @@
 #include "tools/calibrate/conclude_up.hpp"
 
+#include "tools/calibrate/judge/choose_up.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
 
 #include <fmt/format.h>
@@ -54,6 +55,8 @@ void compare(UpConclusion& result, const UpChoice& found, const std::string& sai
     const Eigen::Vector3d level = found.axis.empty() ? found.up : axis_vector(found.axis);
     const double off_deg = degrees_between(*result.up, level);
     if (!found.is_known || off_deg <= std::max(kOff_deg, tilt_deg(found))) return;
+    // as good as what was found
+    if (found.rival && degrees_between(*result.up, found.rival->up) <= kOff_deg) return;
     const std::string better =
         fmt::format("say --up {}, or leave --up out",
                     found.axis.empty() ? numbers_text(level, 3, ",") : found.axis);
@@ -72,6 +75,60 @@ void compare(UpConclusion& result, const UpChoice& found, const std::string& sai
         vector_text(upright_from(*result.up) * level),
         off_deg > 180.0 - kLying_deg ? "stand on their heads" : "lie on their side",
         better));
+}
+
+using VotedCameras = std::span<const geometry::CalibratedCamera>;
+
+std::string names_text(VotedCameras cameras, const std::vector<std::size_t>& which) {
+    std::string text;
+    for (const std::size_t i : which)
+        text += fmt::format("{}'{}'", text.empty() ? "" : ", ", cameras[i].name);
+    return text;
+}
+
+// The cameras that are turned along `found.up`, if that is taken.
+void name_turned(UpConclusion& result, const UpChoice& found, VotedCameras cameras) {
+    if (found.on_side.size() == cameras.size()) {
+        result.told.push_back(
+            "up: all cameras stand on their side: their pictures are turned by "
+            "90 degrees");
+        return;
+    }
+    const auto name = [&](const std::vector<std::size_t>& which,
+                          const char* one,
+                          const char* several,
+                          int turn_deg) {
+        if (which.empty()) return;
+        const bool is_one = which.size() == 1;
+        result.told.push_back(fmt::format("up: {} {} {}: {} pictures are turned by {} degrees",
+                                          is_one ? "camera" : "cameras",
+                                          names_text(cameras, which),
+                                          is_one ? one : several,
+                                          is_one ? "its" : "their",
+                                          turn_deg));
+    };
+    name(found.on_side, "stands on its side", "stand on their side", 90);
+    name(found.upside_down, "hangs upside down", "hang upside down", 180);
+}
+
+// "--up +Z, along which 5 of 8 cameras are level and 3 stand on their side"
+std::string vote_text(const UpVote& vote, std::size_t num_cameras) {
+    std::string text = fmt::format("--up {}, along which {} of {} cameras are level",
+                                   option_text(vote.up),
+                                   vote.num_level,
+                                   num_cameras);
+    if (!vote.on_side.empty()) text += fmt::format(", {} on their side", vote.on_side.size());
+    if (!vote.upside_down.empty()) text += fmt::format(", {} upside down", vote.upside_down.size());
+    return text;
+}
+
+std::string doubt_text(const UpChoice& found, const std::string& taken, std::size_t num_cameras) {
+    return fmt::format(
+        "up: two directions are about as likely: {}; and {}. {} is taken; if people "
+        "lie or stand on their heads, say the other one",
+        vote_text(found, num_cameras),
+        vote_text(*found.rival, num_cameras),
+        taken);
 }
 
 // The frame of the file stays, for +Z is up in every format that prescribes it.
@@ -95,6 +152,8 @@ UpConclusion conclude_up(const ForeignRig& foreign,
         result.is_axis = degrees_between(*result.up, nearest_axis(*result.up)) < kIsAxis_deg;
         result.told.push_back("up: " + said + ", as you say");
         compare(result, found, said);
+        if (found.is_known && degrees_between(*result.up, found.up) <= kOff_deg)
+            name_turned(result, found, cameras);
         return result;
     }
     if (found.is_known && !found.axis.empty() && foreign.has_frame) {
@@ -118,10 +177,14 @@ UpConclusion conclude_up(const ForeignRig& foreign,
                         "up: --up X,Y,Z; now it is --up {}",
                         numbers_text(found.up, 3, ",")));
     } else {
-        result.checks.push_back(text_of_kept(found));
+        result.checks.push_back(found.rival ? doubt_text(found, "+Z of the file", cameras.size())
+                                            : text_of_kept(found));
         return result;
     }
-    if (foreign.up.empty() && found.other_up) {
+    name_turned(result, found, cameras);
+    if (found.rival) {
+        result.checks.push_back(doubt_text(found, "The first", cameras.size()));
+    } else if (foreign.up.empty() && found.other_up) {
         result.checks.push_back(
             fmt::format("up: if the cameras lie on their side, up is about {0}: say --up {0}",
                         option_text(*found.other_up)));

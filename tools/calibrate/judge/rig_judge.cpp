@@ -1,5 +1,7 @@
 #include "tools/calibrate/judge/rig_judge.hpp"
 
+#include "tools/calibrate/judge/choose_up.hpp"
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <fmt/format.h>
@@ -26,46 +28,10 @@ constexpr double kFarthest_m = 40.0;
 constexpr double kUsual_m = 3.0;
 constexpr double kUsualNearest_m = 0.8;
 constexpr double kUsualFarthest_m = 12.0;
-// Pictures are level if the mean sine of their tilt is below this.
-constexpr double kLevel = 0.15;
-// An axis of the frame is up if it is so near, as a cosine, and the pictures are about as level.
-constexpr double kOnAnAxis = 0.966;
-constexpr double kAsLevel = 0.03;
-constexpr double kUprightAlike = 0.8;  // length of the mean of unit vectors
+constexpr double kSmallForPerson_m = 1.5;
 
 Eigen::Vector3d axis_site(const geometry::CalibratedCamera& camera, int axis) {
     return camera.camera_from_site.rotation.conjugate() * Eigen::Vector3d::Unit(axis);
-}
-
-// Mean sine of the angles between a horizontal side of the pictures and the floor. The side is X,
-// or Y for portrait pictures.
-double tilt_about(Cameras cameras, const Eigen::Vector3d& up, int side) {
-    double sum = 0.0;
-    for (const auto& camera : cameras) sum += std::abs(axis_site(camera, side).dot(up));
-    return sum / static_cast<double>(cameras.size());
-}
-
-struct Perpendicular {
-    Eigen::Vector3d direction;  // most perpendicular to the sides of all pictures
-    bool is_unique = false;     // false: the sides are nearly parallel, so many directions are
-};
-Perpendicular perpendicular_to(Cameras cameras, int side) {
-    constexpr double kSmallest = 0.03;  // mean square of a sine: sides 20 degrees apart
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    for (const auto& camera : cameras) {
-        const Eigen::Vector3d a = axis_site(camera, side);
-        sum += a * a.transpose() / static_cast<double>(cameras.size());
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sum);
-    return {solver.eigenvectors().col(0), solver.eigenvalues()[1] > kSmallest};
-}
-
-// Upright pictures have -Y up, and cameras look down rather than up.
-Eigen::Vector3d with_sign(Cameras cameras, const Eigen::Vector3d& up) {
-    double votes = 0.0;
-    for (const auto& camera : cameras)
-        votes -= 4.0 * axis_site(camera, 1).dot(up) + axis_site(camera, 2).dot(up);
-    return votes < 0.0 ? Eigen::Vector3d(-up) : up;
 }
 
 Eigen::Vector3d nearest_to_axes(Cameras cameras) {
@@ -105,7 +71,7 @@ Convergence measure_convergence(Cameras cameras) {
     const double along =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(directions).eigenvalues()[2];
     result.spread = std::max(0.0, 1.0 - along);
-    result.tilt = choose_up(cameras).tilt;
+    result.tilt = choose_up(cameras).mean_tilt;
     // a place far nearer to some cameras than to others is no room
     const double nearest = *std::ranges::min_element(distances);
     const bool is_even = nearest > 0.1 * result.median_distance && result.median_distance > 0.0;
@@ -205,6 +171,28 @@ std::string better_unit(double median_distance, const std::string& unit) {
     return best;
 }
 
+std::string length_text(double length) {
+    if (!(length > 0.0) || !std::isfinite(length)) return fmt::format("{:.3g}", length);
+    const int magnitude = static_cast<int>(std::floor(std::log10(length)));
+    if (magnitude >= 3) {
+        const double step = std::pow(10.0, magnitude - 2);
+        return fmt::format("{:.0f}", std::round(length / step) * step);
+    }
+    return magnitude < -4 ? fmt::format("{:.{}f}", length, 2 - magnitude)
+                          : fmt::format("{:.3g}", length);
+}
+
+std::string doubt_small_room(double distance_m, const std::string& from, const std::string& to) {
+    if (distance_m >= kSmallForPerson_m) return {};
+    return fmt::format(
+        "lengths: {} m from the cameras to the place that they look at is small for a person; if "
+        "lengths are squares of a chessboard, measure the distance between two cameras: --distance "
+        "{} {} METRES",
+        length_text(distance_m),
+        from,
+        to);
+}
+
 std::string doubt_measured(double distance_m,
                            const std::string& from,
                            const std::string& to,
@@ -222,9 +210,9 @@ std::string doubt_measured(double distance_m,
         break;
     }
     return fmt::format(
-        "lengths: {:.3g} m from the cameras to the place that they look at is unusual; {}measure "
+        "lengths: {} m from the cameras to the place that they look at is unusual; {}measure "
         "the distance between {} and {} again, in metres, if the room is not that {}",
-        distance_m,
+        length_text(distance_m),
         other_unit,
         from,
         to,
@@ -250,44 +238,6 @@ UnitChoice choose_unit(double median_distance, const std::string& prescribed) {
             choice.also_possible.empty() && prescribed != choice.name)
             choice.also_possible = unit;
     }
-    return choice;
-}
-
-UpChoice choose_up(Cameras cameras) {
-    UpChoice choice;
-    if (cameras.empty()) return choice;
-    // as if all pictures looked at the horizon
-    int side = 0;
-    choice.up = Eigen::Vector3d::Zero();
-    for (const auto& camera : cameras) choice.up -= axis_site(camera, 1);
-    const double agreement = choice.up.norm() / static_cast<double>(cameras.size());
-    choice.up =
-        agreement > 1e-3 ? choice.up.normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
-    choice.tilt = tilt_about(cameras, choice.up, side);
-    choice.is_known = choice.tilt < kLevel && agreement > kUprightAlike && cameras.size() > 2;
-    for (const int candidate : {0, 1}) {
-        const Perpendicular found = perpendicular_to(cameras, candidate);
-        const double tilt = tilt_about(cameras, found.direction, candidate);
-        if (!found.is_unique || tilt > kLevel) continue;
-        const Eigen::Vector3d up = with_sign(cameras, found.direction);
-        if (candidate == 1 && side == 0 && choice.is_known) {
-            // pictures on their side are rare
-            if (up.dot(choice.up) < kOnAnAxis) choice.other_up = up;
-            continue;
-        }
-        side = candidate;
-        choice.tilt = tilt;
-        // two pictures have such a direction always: it must be about upright, too
-        choice.is_known =
-            cameras.size() > 2 || (candidate == 0 && up.dot(choice.up) > kUprightAlike);
-        choice.up = up;
-    }
-    int axis = 0;
-    const double cosine = choice.up.cwiseAbs().maxCoeff(&axis);
-    const Eigen::Vector3d nearest =
-        (choice.up[axis] > 0.0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(axis);
-    if (cosine > kOnAnAxis && tilt_about(cameras, nearest, side) < choice.tilt + kAsLevel)
-        choice.axis = {choice.up[axis] > 0.0 ? '+' : '-', "XYZ"[axis]};
     return choice;
 }
 

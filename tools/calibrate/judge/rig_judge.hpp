@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,6 +48,14 @@ struct UnitChoice {
 /// into a room. `prescribed` wins if it fits; empty: none.
 UnitChoice choose_unit(double median_distance, const std::string& prescribed);
 
+/// Three digits without an exponent: "4410", "0.97", "0.0000441".
+std::string length_text(double length);
+
+/// A doubt about a unit that was found out, if it makes cameras stand so near, `distance_m`, to
+/// what they look at that no person fits between them; empty if it is usual. `from`, `to`: two
+/// cameras.
+std::string doubt_small_room(double distance_m, const std::string& from, const std::string& to);
+
 /// A problem if cameras stand `distance_m` from what they look at because the user measured
 /// `metres` from one camera to another: the likely cause, and the cure. Empty if it is usual.
 std::string doubt_measured(double distance_m,
@@ -62,17 +69,6 @@ std::string better_unit(double median_distance, const std::string& unit);
 
 /// Metres of "m", "cm", "mm", "in" or "ft"; 0 for anything else.
 double metres_of(const std::string& unit);
-
-struct UpChoice {
-    Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // unit vector in the frame of the cameras
-    double tilt = 0.0;  // mean deviation of the pictures from level, as a sine
-    /// Up if the pictures lie on their side, where that is possible as well.
-    std::optional<Eigen::Vector3d> other_up;
-    bool is_known = false;  // false: the cameras are tilted too differently
-    std::string axis;       // the axis of the frame that is as good as `up`, for example "+Y"
-};
-/// Finds the direction along which the cameras are upright, or on their side.
-UpChoice choose_up(std::span<const geometry::CalibratedCamera> cameras);
 
 /// Unit vector of "+X", "-X", ... "-Z" (or "X"); the zero vector for anything else.
 Eigen::Vector3d axis_vector(const std::string& name);
