@@ -192,32 +192,32 @@ Expected<void> Concluder::find_scale() {
     if (said_.units.empty()) unit = choose_unit(distance, foreign_.units);
     if (unit.metres <= 0.0) {
         return needs(fmt::format(
-            "lengths: the cameras are {:.3g} units from the place that they look at, which is no "
+            "lengths: the cameras are {} units from the place that they look at, which is no "
             "room in m, cm or mm; is one unit a square of the board? Measure the distance between "
             "two cameras: --distance {} {} METRES",
-            distance,
+            length_text(distance),
             cameras_[0].name,
             cameras_[1].name));
     }
     scale(unit.metres);
     tell(
-        fmt::format("lengths: {}{}: the cameras stand {:.3g} m from the place that they look at "
+        fmt::format("lengths: {}{}: the cameras stand {} m from the place that they look at "
                     "(median)",
                     unit.name,
                     !said_.units.empty()          ? ", as you say"
                     : unit.name == foreign_.units ? ", as documented"
                     : foreign_.units.empty()      ? ", because that is a room"
                                                   : ", not " + foreign_.units + " as documented",
-                    distance * unit.metres));
+                    length_text(distance * unit.metres)));
     if (const std::string better = better_unit(distance, unit.name); !better.empty()) {
-        problem(fmt::format(
-            "lengths: {:.3g} m from the cameras to the place that they look at is unusual; "
-            "as {} it would be {:.2f} m: say --units {}, if the room is not that {}",
-            distance * unit.metres,
-            better,
-            distance * metres_of(better),
-            better,
-            distance * unit.metres > 1.0 ? "large" : "small"));
+        problem(
+            fmt::format("lengths: {} m from the cameras to the place that they look at is unusual; "
+                        "as {} it would be {:.2f} m: say --units {}, if the room is not that {}",
+                        length_text(distance * unit.metres),
+                        better,
+                        distance * metres_of(better),
+                        better,
+                        distance * unit.metres > 1.0 ? "large" : "small"));
     } else if (!unit.also_possible.empty() && said_.units.empty()) {
         check(
             fmt::format("lengths: {} is the likelier unit; in {} it would be {:.2f} m: --units {}",
@@ -225,6 +225,10 @@ Expected<void> Concluder::find_scale() {
                         unit.also_possible,
                         distance * metres_of(unit.also_possible),
                         unit.also_possible));
+    }
+    if (said_.units.empty() && unit.name != foreign_.units) {
+        auto doubt = doubt_small_room(distance * unit.metres, cameras_[0].name, cameras_[1].name);
+        if (!doubt.empty()) check(std::move(doubt));
     }
     return {};
 }

@@ -47,6 +47,17 @@ std::string usage_error(const CLI::App& app, const std::string& reason) {
         const std::string name = option->get_name();
         if (reason == name + " is required")
             return fmt::format("{}: {}", reason, option->get_description());
+        const auto num_words = static_cast<std::size_t>(option->get_expected_max());
+        const std::vector<std::string>& words = option->results();
+        if (reason.starts_with(name + ":") && reason.find("received") != std::string::npos &&
+            num_words > 1 && words.size() > num_words) {
+            return fmt::format(
+                "{0} is given once, with {1}, for example {0} {2}",
+                name,
+                option->get_type_name(),
+                fmt::join(
+                    words.begin(), words.begin() + static_cast<std::ptrdiff_t>(num_words), " "));
+        }
     }
     return reason + "; --help lists the options";
 }

@@ -131,6 +131,18 @@ TEST(Judge, SaysWhatItCannotKnow) {
     const auto squares = conclude(foreign_of(truth, {}, 33.3), {});
     ASSERT_TRUE(squares);
     EXPECT_THAT(squares->told, testing::Contains(testing::HasSubstr("lengths: cm")));
+    EXPECT_THAT(squares->checks,
+                testing::Contains(testing::AllOf(
+                    testing::HasSubstr("is small for a person; if lengths are squares"),
+                    testing::HasSubstr("--distance cam1 cam2 METRES"))));
+    const auto documented = [&] {
+        ForeignRig rig = foreign_of(truth, {}, 33.3);
+        rig.units = "cm";
+        return conclude(rig, {});
+    }();
+    ASSERT_TRUE(documented);
+    EXPECT_THAT(documented->checks,
+                testing::Not(testing::Contains(testing::HasSubstr("squares of a chessboard"))));
     const auto absurd = conclude(foreign_of(truth, {}, 1e-3), {});
     ASSERT_FALSE(absurd);
     EXPECT_THAT(absurd.error().message, testing::HasSubstr("--distance cam1 cam2"));
@@ -184,6 +196,14 @@ TEST(Judge, NamesTheUnitThatWouldMakeARoom) {
         EXPECT_THAT(found->checks, testing::Not(testing::Contains(testing::HasSubstr("lengths"))))
             << seed;
     }
+}
+
+TEST(Judge, WritesLengthsWithoutExponents) {
+    EXPECT_EQ(length_text(4412.7), "4410");
+    EXPECT_EQ(length_text(1.23456e6), "1230000");
+    EXPECT_EQ(length_text(3.914), "3.91");
+    EXPECT_EQ(length_text(441.27), "441");
+    EXPECT_EQ(length_text(4.41e-5), "0.0000441");
 }
 
 TEST(Judge, KnowsInchesAndFeetIfTheUserSaysSo) {
