@@ -12,6 +12,10 @@ constexpr double kHugeExtent_m = 50.0;
 constexpr double kTall_m = 3.5;  // taller than a person who stretches, on a chair
 constexpr double kTinyVolume_m3 = 1e-4;
 constexpr double kTinyExtent_m = 0.1;
+// A person of two years has 12 l, and the hull of few cameras is larger than the person.
+constexpr double kSmallVolume_m3 = 0.005;
+constexpr double kSmallExtent_m = 0.6;
+constexpr double kFatVolume_m3 = 0.01;  // of a person in miniature before few cameras
 
 }  // namespace
 
@@ -44,6 +48,25 @@ std::optional<std::string> check_size(const geometry::Aabb& extent,
                                           : "; or the distance was wrong that was measured for "
                                             "the scale (--distance of calibrate import); or the "
                                             "focal lengths are too small");
+}
+
+bool is_small_for_person(const geometry::Aabb& extent, double volume_m3) {
+    if (extent.empty()) return false;
+    return volume_m3 < kSmallVolume_m3 ||
+           (volume_m3 < kFatVolume_m3 && extent.size().maxCoeff() < kSmallExtent_m);
+}
+
+std::string doubt_small_hull(const geometry::Aabb& extent, double volume_m3) {
+    const Eigen::Vector3d size = extent.size();
+    return fmt::format(
+        "every hull so far is too small for a person, this one is {:.2f} x {:.2f} x {:.2f} m large "
+        "and has {:.2g} l: if it is a person, the lengths of the rig are too small, perhaps "
+        "squares of a chessboard: measure the distance between two cameras and import the "
+        "calibration again with --distance CAMERA CAMERA METRES, or correct the key units",
+        size.x(),
+        size.y(),
+        size.z(),
+        1000.0 * volume_m3);
 }
 
 }  // namespace atrium::rig_check

@@ -15,4 +15,11 @@ std::optional<std::string> check_size(const geometry::Aabb& extent,
                                       double volume_m3,
                                       double coverage);
 
+/// Whether a hull is too small for a person of any pose, even a child that crouches. False if
+/// empty.
+bool is_small_for_person(const geometry::Aabb& extent, double volume_m3);
+
+/// Says what may be wrong with a rig whose hulls stay too small for a person, with the cure.
+std::string doubt_small_hull(const geometry::Aabb& extent, double volume_m3);
+
 }  // namespace atrium::rig_check

@@ -23,6 +23,8 @@ constexpr std::size_t kManyVotes = 10;
 constexpr std::size_t kQuickDiagnoses = 10;
 constexpr std::chrono::seconds kDiagnosisPeriod{30};
 constexpr const char* kAllDropped = "all_dropped";  // may be meant
+constexpr const char* kSmall = "small";
+constexpr double kPersonFits_m = 1.5;  // bounds of less height are not for whole people
 constexpr double kCutShare = 0.05;
 constexpr double kSeldomCut = 0.02;  // a look with less is not one that the bounds cut
 
@@ -201,6 +203,8 @@ void RigWatch::judge_bounds(const Look& look, const Agreement& agreement) {
 void RigWatch::judge_size(const Look& look, const Agreement& agreement) {
     if (const auto wrong = check_size(look.hull_extent, look.hull_volume_m3, agreement.share())) {
         vote("size", kFewVotes, "hull_size_implausible", *wrong);
+    } else {
+        judge_smallness(look, agreement);
     }
     const bool all_see = std::all_of(look.views.begin(), look.views.end(), [](const auto& view) {
         return !view.view.contours.empty();
@@ -216,6 +220,28 @@ void RigWatch::judge_size(const Look& look, const Agreement& agreement) {
          "the hull is empty although the silhouettes fit: nobody is inside the bounds, or all is "
          "smaller than hull.min_component_l because the translations of the rig are in another "
          "unit");
+}
+
+// Lengths in squares of a chessboard make people of half a metre, who fit together as well.
+void RigWatch::judge_smallness(const Look& look, const Agreement& agreement) {
+    if (look.hull_extent.empty() || has_seen_large_) return;
+    if (!is_small_for_person(look.hull_extent, look.hull_volume_m3)) {
+        has_seen_large_ = true;
+        findings_.erase(kSmall);
+        return;
+    }
+    if (options_.bounds && options_.bounds->size().z() < kPersonFits_m) return;
+    std::size_t hidden = 0;
+    for (const CameraAgreement& camera : agreement.cameras) hidden += camera.cut + camera.beyond;
+    const bool is_whole =
+        static_cast<double>(hidden) < kCutShare * static_cast<double>(agreement.num_rays());
+    const bool all_see = std::ranges::all_of(
+        look.views, [](const auto& view) { return !view.view.contours.empty(); });
+    if (!is_whole || !all_see || agreement.share() < kPoorShare) return;
+    vote(kSmall,
+         kManyVotes,
+         "hull_size_implausible",
+         doubt_small_hull(look.hull_extent, look.hull_volume_m3));
 }
 
 std::vector<std::string> RigWatch::finish() {

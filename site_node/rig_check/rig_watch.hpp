@@ -85,8 +85,10 @@ private:
                          const std::function<bool()>& go_on);
     void judge_bounds(const Look& look, const Agreement& agreement);
     void judge_size(const Look& look, const Agreement& agreement);
+    void judge_smallness(const Look& look, const Agreement& agreement);
 
     AgreementOptions options_;
+    bool has_seen_large_ = false;  // a hull that a person may have: the scale is right
     std::map<std::string, Camera> cameras_;
     std::map<std::string, Finding> findings_;
     std::size_t num_looks_ = 0;  // with somebody

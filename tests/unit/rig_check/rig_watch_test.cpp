@@ -100,6 +100,40 @@ TEST(RigWatch, FindsAHullOfAnotherUnit) {
     }
 }
 
+// A person in miniature: lengths in squares of 40 mm were taken for centimetres.
+Look small_person(std::uint64_t seed) {
+    Look look = person(seed);
+    look.hull_extent = {{-0.08, -0.08, 0.0}, {0.08, 0.08, 0.44}};
+    look.hull_volume_m3 = 0.0011;
+    return look;
+}
+
+TEST(RigWatch, DoubtsAScaleInWhichEveryHullIsSmall) {
+    WatchRun run;
+    for (std::uint64_t i = 0; i < 9; ++i) run.look(small_person(i));
+    EXPECT_THAT(run.lines, IsEmpty());
+    for (std::uint64_t i = 0; i < 9; ++i) run.look(small_person(i));
+    ASSERT_EQ(run.lines.size(), 1u);
+    EXPECT_THAT(run.lines.front(), HasSubstr("hull_size_implausible"));
+    EXPECT_THAT(run.lines.front(), HasSubstr("--distance CAMERA CAMERA METRES"));
+}
+
+TEST(RigWatch, IsSilentAboutASmallThingWherePeopleWereSeenOrDoNotFit) {
+    WatchRun room;
+    for (std::uint64_t i = 0; i < 5; ++i) room.look(small_person(i));
+    room.look(person(5));
+    for (std::uint64_t i = 0; i < 20; ++i) room.look(small_person(i));
+    EXPECT_THAT(room.lines, IsEmpty());
+    EXPECT_THAT(room.watch.finish(), IsEmpty());
+    // as deploy/rigs/table.toml
+    WatchRun table;
+    AgreementOptions options;
+    options.bounds = geometry::Aabb{{-2.0, -2.0, 0.5}, {2.0, 2.0, 1.8}};
+    table.watch = RigWatch(options);
+    for (std::uint64_t i = 0; i < 20; ++i) table.look(small_person(i));
+    EXPECT_THAT(table.lines, testing::Not(testing::Contains(HasSubstr("hull_size_implausible"))));
+}
+
 TEST(RigWatch, TellsOfBoundsThatCutPeople) {
     WatchRun run;
     AgreementOptions options;
