@@ -90,6 +90,21 @@ TEST_P(TurnedCameras, AreOutvotedOrDoubted) {
     EXPECT_GE(num_right, kSeeds * 9 / 10);
 }
 
+// The pictures that are turned do not look like a sign of another meaning of the poses.
+TEST_P(TurnedCameras, LeaveTheDocumentedMeaning) {
+    int kept = 0;
+    for (int seed = 0; seed < kSeeds; ++seed) {
+        atrium::test::Random random(static_cast<std::uint64_t>(900 + 100 * seed));
+        const auto cameras = turned_room(random, GetParam().num, GetParam().num_turned, 3.0);
+        std::vector<ForeignPose> poses;
+        const Reading& truth = kReadings[static_cast<std::size_t>(seed) % kReadings.size()];
+        for (const auto& camera : cameras)
+            poses.push_back(foreign_pose(camera.camera_from_site, truth));
+        kept += choose_reading(cameras, poses, truth).is_documented ? 1 : 0;
+    }
+    EXPECT_EQ(kept, kSeeds);
+}
+
 INSTANTIATE_TEST_SUITE_P(Mixes,
                          TurnedCameras,
                          testing::Values(Mix{4, 0},
