@@ -1,9 +1,13 @@
 # Functions that define Atrium's libraries, programs and tests. Folder = module = target; every source is listed, none globbed.
 
+# With ccache all clones and build folders of a host share what was compiled once: paths count from the root of the tree, and
+# precompiled headers take part (GCC tells of them with -fpch-preprocess).
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-    set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
-    set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
+        CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+    set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
+    add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)
 endif()
 
 # gold, of the same package as the default linker, takes a quarter of its time.
@@ -119,7 +123,6 @@ function(atrium_test name)
     cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
     target_link_libraries(${name} PRIVATE atrium_skips ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
-    target_compile_definitions(${name} PRIVATE ATRIUM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     _atrium_options(${name})
     set_target_properties(${name} PROPERTIES UNITY_BUILD ${ATRIUM_UNITY})
     _atrium_pch(${name} test)

@@ -1,4 +1,5 @@
 #include "tests/fuzz/hull_check.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +16,7 @@ namespace {
 std::vector<std::filesystem::path> seed_files() {
     std::vector<std::filesystem::path> files;
     for (const auto& entry :
-         std::filesystem::directory_iterator(ATRIUM_SOURCE_DIR "/tests/fuzz/seeds/hull"))
+         std::filesystem::directory_iterator(atrium::test::source_dir() + "/tests/fuzz/seeds/hull"))
         files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     return files;

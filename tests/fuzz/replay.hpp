@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tests/support/source_dir.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -18,7 +20,7 @@ template <typename Check>
 void replay(const std::string& name, const Check& check, int least_accepted, int least_refused) {
     int num_accepted = 0;
     int num_refused = 0;
-    const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/tests/fuzz/seeds/" + name;
+    const std::filesystem::path folder = atrium::test::source_dir() + "/tests/fuzz/seeds/" + name;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
         std::ifstream stream(entry.path(), std::ios::binary);
         const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};

@@ -1,5 +1,6 @@
 #include "tests/golden/golden_file.hpp"
 
+#include "tests/support/source_dir.hpp"
 #include "viewer/record/picture_file.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +27,7 @@ renderer::RenderedPicture read(const std::filesystem::path& file) {
 }  // namespace
 
 std::filesystem::path golden_file(const std::string& name) {
-    return std::filesystem::path(ATRIUM_SOURCE_DIR "/tests/golden") / (name + ".png");
+    return std::filesystem::path(atrium::test::source_dir() + "/tests/golden") / (name + ".png");
 }
 
 void renew_golden(const std::string& name, const renderer::RenderedPicture& picture) {

@@ -1,5 +1,6 @@
 #include "tests/support/run_program.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,12 +21,12 @@ Outcome run(const std::string& command) { return test_support::run_program(comma
 
 const std::string kSimulatedCameras = ATRIUM_BIN_DIR "/simulated_cameras";
 const std::string kClient = ATRIUM_BIN_DIR "/cameras_client";
-const std::string kRig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body_1mp.toml";
+const std::string kRig = atrium::test::source_dir() + "/deploy/rigs/full_body_1mp.toml";
 
 class Cameras : public testing::Test {
 protected:
     void SetUp() override {
-        const std::string rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml";
+        const std::string rig = atrium::test::source_dir() + "/deploy/rigs/full_body.toml";
         const Outcome probe =
             run(kSimulatedCameras + " --rig " + rig +
                 " --simulation.loop_s 0.1 --simulation.cache .cache/cameras_test -- true");

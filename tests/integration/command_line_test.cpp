@@ -1,6 +1,7 @@
 #include "tests/support/run_program.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -47,9 +48,9 @@ TEST_F(CommandLine, NetworkFileErrorIsNamedBeforeTheRoomOpens) {
     const std::string network = file("net.xml",
                                      "<CycloneDDS>\n  <Domain Id='any'>\n    <Generl/>\n"
                                      "  </Domain>\n</CycloneDDS>\n");
-    const Outcome got = run("site_node --capture.source simulated --capture.rig " ATRIUM_SOURCE_DIR
-                            "/deploy/rigs/table.toml --simulation.cache '' --network " +
-                            network);
+    const Outcome got =
+        run("site_node --capture.source simulated --capture.rig " + atrium::test::source_dir() +
+            "/deploy/rigs/table.toml --simulation.cache '' --network " + network);
     EXPECT_EQ(got.exit_code, 2);
     EXPECT_THAT(got.output,
                 AllOf(HasSubstr(network + ": "), HasSubstr("Generl"), HasSubstr("(line 3)")));
@@ -244,7 +245,7 @@ TEST_F(CommandLine, VisualHullHasAnExitCodeForEachOutcome) {
 TEST_F(CommandLine, VisualHullComputesTheBundledPerson) {
     const std::string mesh = (folder_ / "hull.ply").string();
     const Outcome outcome =
-        run("visual_hull " ATRIUM_SOURCE_DIR "/deploy/views/person.json -o " + mesh);
+        run("visual_hull " + atrium::test::source_dir() + "/deploy/views/person.json -o " + mesh);
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_THAT(outcome.output,
                 AllOf(HasSubstr("\"status\": \"ok\""),
@@ -264,7 +265,7 @@ TEST_F(CommandLine, VisualHullReportsItsBounds) {
 }
 
 TEST_F(CommandLine, SimulatedCamerasNameBadOptions) {
-    const std::string rig = " --rig " ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml";
+    const std::string rig = " --rig " + atrium::test::source_dir() + "/deploy/rigs/full_body.toml";
     const Outcome nothing = run("simulated_cameras");
     EXPECT_EQ(nothing.exit_code, 2);
     EXPECT_THAT(nothing.output, AllOf(HasSubstr("rig"), HasSubstr("recording")));
@@ -303,8 +304,9 @@ TEST_F(CommandLine, DemoRefusesZeroPeopleAndABadFolder) {
     EXPECT_EQ(no_sites.exit_code, 2);
     EXPECT_THAT(no_sites.output, HasSubstr("sites"));
     const Outcome no_folder =
-        run("demo --output /proc/x --deploy " ATRIUM_SOURCE_DIR "/deploy --world " ATRIUM_SOURCE_DIR
-            "/deploy/worlds/demo.toml --viewer " ATRIUM_SOURCE_DIR "/deploy/viewer.toml");
+        run("demo --output /proc/x --deploy " + atrium::test::source_dir() + "/deploy --world " +
+            atrium::test::source_dir() + "/deploy/worlds/demo.toml --viewer " +
+            atrium::test::source_dir() + "/deploy/viewer.toml");
     EXPECT_EQ(no_folder.exit_code, 3);
     EXPECT_THAT(no_folder.output, HasSubstr("/proc/x"));
 }

@@ -2,6 +2,7 @@
 
 #include "core/gl/offscreen_context.hpp"
 #include "tests/support/comes_true.hpp"
+#include "tests/support/source_dir.hpp"
 #include "viewer/control/user_control.hpp"
 #include "viewer/overlay/annotations.hpp"
 #include "viewer/receive/session.hpp"
@@ -164,7 +165,7 @@ private:
     std::optional<renderer::SceneRenderer> renderer_;
     std::optional<viewer::Annotations> annotations_;
     viewer::PeopleView people_;
-    viewer::SceneView scene_{ATRIUM_SOURCE_DIR "/deploy/worlds"};
+    viewer::SceneView scene_{atrium::test::source_dir() + "/deploy/worlds"};
     viewer::UserControl control_;
     viewer::Pointer pointer_;
     std::vector<std::string> texts_;

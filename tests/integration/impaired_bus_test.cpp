@@ -1,5 +1,6 @@
 #include "tests/integration/stream_over_link.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -33,7 +34,7 @@ constexpr const char* kFastRepair =
 // The profiles of meshes and textures with other history depths, and with samples that no delay of
 // a busy machine can let expire.
 void write_profiles(int writer_depth, int reader_depth, const std::filesystem::path& file) {
-    std::ifstream stream(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
+    std::ifstream stream(atrium::test::source_dir() + "/qos/profiles.xml");
     std::string all(std::istreambuf_iterator<char>(stream), {});
     all = std::regex_replace(all, std::regex("<lifespan>.*</lifespan>"), "");
     const auto deepen = [&](const std::string& profile, const char* endpoint, int depth) {

@@ -1,5 +1,6 @@
 #include "core/bus/bus.hpp"
 #include "tests/support/network/hosted_process.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -191,7 +192,7 @@ protected:
     }
     std::vector<std::string> command_of(const std::string& name) const {
         const std::string programs = ATRIUM_BIN_DIR "/";
-        const std::string deploy = ATRIUM_SOURCE_DIR "/deploy/";
+        const std::string deploy = atrium::test::source_dir() + "/deploy/";
         std::vector<std::string> command;
         if (name == kWorld)
             command = {programs + "world_server", "--config", deploy + "worlds/playroom.toml"};

@@ -2,6 +2,7 @@
 
 #include "core/base/timestamp.hpp"
 #include "tests/support/comes_true.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -116,7 +117,7 @@ Expected<std::unique_ptr<SiteOverLink>> SiteOverLink::start(ImpairedNetwork* net
     auto site = run->start_on(0,
                               {programs + "/site_node",
                                "--config",
-                               ATRIUM_SOURCE_DIR "/deploy/sites/alice.toml",
+                               atrium::test::source_dir() + "/deploy/sites/alice.toml",
                                "--simulation.loop_s",
                                "1",
                                "--simulation.cache",

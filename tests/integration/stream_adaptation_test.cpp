@@ -1,6 +1,7 @@
 // A site that adapts its stream to reports of viewers, over the real bus.
 #include "core/bus/bus.hpp"
 #include "site_node/site_node.hpp"
+#include "tests/support/source_dir.hpp"
 #include "viewer/receive/session.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ class AdaptingSite : public testing::Test {
 protected:
     void SetUp() override {
         config_.name = "lab";
-        config_.capture.rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml";
+        config_.capture.rig = atrium::test::source_dir() + "/deploy/rigs/full_body.toml";
         config_.capture.rate_hz = 10.0;
         config_.simulation.loop_s = 1.0;
         config_.simulation.cache.clear();  // leaves no files

@@ -1,6 +1,7 @@
 #include "tests/integration/site_over_link.hpp"
 #include "tests/support/comes_true.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -88,7 +89,7 @@ TEST_F(StreamFaults, LosesNoFrameAtOnePercentLossOnAShortLink) {
 
 // Cyclone itself loses packets on purpose, with the settings for programs of one host.
 TEST_F(StreamFaults, RepairsLossesOfCycloneOnLoopback) {
-    std::ifstream builtin(ATRIUM_SOURCE_DIR "/qos/loopback.xml");
+    std::ifstream builtin(atrium::test::source_dir() + "/qos/loopback.xml");
     std::string xml(std::istreambuf_iterator<char>(builtin), {});
     const std::size_t at = xml.find("<Internal>");
     ASSERT_NE(at, std::string::npos);

@@ -1,5 +1,6 @@
 #include "core/bus/bus.hpp"
 #include "site_node/site_node.hpp"
+#include "tests/support/source_dir.hpp"
 #include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/viewer.hpp"
 #include "world_server/world_server.hpp"
@@ -36,7 +37,7 @@ bus::BusOptions bus_options() {
 site_node::SiteNodeConfig site_config(const std::string& name, const std::string& look) {
     site_node::SiteNodeConfig config;
     config.name = name;
-    config.capture.rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml";
+    config.capture.rig = atrium::test::source_dir() + "/deploy/rigs/full_body.toml";
     config.capture.rate_hz = 10.0;
     config.simulation.look = look;
     config.simulation.motion = "push";

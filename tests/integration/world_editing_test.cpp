@@ -1,4 +1,5 @@
 #include "tests/integration/editing_viewer.hpp"
+#include "tests/support/source_dir.hpp"
 #include "world_server/world_server.hpp"
 
 #include <gmock/gmock.h>
@@ -28,7 +29,7 @@ protected:
         fs::remove_all(folder_);
         config_.bus = edit_bus();
         config_.saved_folder = folder_ / "saved";
-        config_.models_folder = ATRIUM_SOURCE_DIR "/deploy/worlds";
+        config_.models_folder = atrium::test::source_dir() + "/deploy/worlds";
         config_.rights.save = {.everyone = true, .names = {}};
         config_.rights.edit = {.everyone = false, .names = {"alice", "bob"}};
         world_server::WorldObject floor;

@@ -1,3 +1,4 @@
+#include "tests/support/source_dir.hpp"
 #include "tests/support/world/endurance.hpp"
 #include "tests/support/world/load_world.hpp"
 
@@ -25,7 +26,7 @@ struct Walked {
 std::vector<Walked> delivered_worlds(const EnduranceBounds& bounds) {
     std::vector<Walked> worlds;
     for (const auto& entry :
-         std::filesystem::directory_iterator(ATRIUM_SOURCE_DIR "/deploy/worlds")) {
+         std::filesystem::directory_iterator(atrium::test::source_dir() + "/deploy/worlds")) {
         if (entry.path().extension() != ".toml") continue;
         const auto config = test_support::load_world(entry.path());
         if (!config) ADD_FAILURE() << config.error().message;

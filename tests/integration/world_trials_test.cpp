@@ -1,6 +1,7 @@
 #include "tests/support/world/world_trials.hpp"
 
 #include "core/config/rig.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@ namespace {
 class WorldTrials : public testing::Test {
 protected:
     void SetUp() override {
-        auto rig = config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml");
+        auto rig = config::load_rig(atrium::test::source_dir() + "/deploy/rigs/full_body.toml");
         ASSERT_TRUE(rig) << rig.error().message;
         setting_.cameras = std::move(rig->cameras);
     }

@@ -9,6 +9,7 @@
 #include "tests/support/shapes/surface_distance.hpp"
 #include "tests/support/shapes/winding_number.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -105,7 +106,7 @@ TEST_P(DecimatedHull, OfASphereLosesTrianglesAndKeepsItsOutside) {
 INSTANTIATE_TEST_SUITE_P(Seeds, DecimatedHull, testing::Range(0, 10));
 
 TEST(DecimatedPerson, StaysWithinItsBound) {
-    auto rig = config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml");
+    auto rig = config::load_rig(atrium::test::source_dir() + "/deploy/rigs/full_body.toml");
     ASSERT_TRUE(rig) << rig.error().message;
     simulation::RoomOptions options;
     options.look = "ben";
@@ -132,7 +133,8 @@ TEST(DecimatedPerson, StaysWithinItsBound) {
 }
 
 TEST(DecimatedPerson, OfTheSetHasASixthOfItsTrianglesAt5Mm) {
-    const std::filesystem::path file = ATRIUM_SOURCE_DIR "/../shared/data/hulls/person_10k.json";
+    const std::filesystem::path file =
+        atrium::test::source_dir() + "/../shared/data/hulls/person_10k.json";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << atrium::test::skip::kNoSharedData << file;
     const auto loaded = views::load_views_file(file);
     ASSERT_TRUE(loaded) << loaded.error().message;

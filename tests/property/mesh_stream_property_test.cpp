@@ -11,6 +11,7 @@
 #include "tests/support/shapes/rig_maker.hpp"
 #include "tests/support/shapes/silhouette_maker.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gtest/gtest.h>
 
@@ -203,7 +204,7 @@ TEST_F(MeshStream, EqualsDracosForHulls) {
 }
 
 TEST_F(MeshStream, EqualsDracosForHullsOfRealOutlines) {
-    const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/../shared/data/hulls";
+    const std::filesystem::path folder = atrium::test::source_dir() + "/../shared/data/hulls";
     if (!std::filesystem::exists(folder))
         GTEST_SKIP() << atrium::test::skip::kNoSharedData << folder;
     for (const char* set : {"person_1px", "person_10k", "person_24views", "torus", "spheres"}) {

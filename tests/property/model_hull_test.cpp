@@ -4,6 +4,7 @@
 #include "simulation/room_renderer.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/silhouette/silhouette.hpp"
+#include "tests/support/source_dir.hpp"
 #include "tests/unit/simulation/made_person.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +17,7 @@ namespace atrium {
 namespace {
 
 TEST(ModelHull, OfACentimetreBipedIsAsLargeAsAPerson) {
-    const auto rig = config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml");
+    const auto rig = config::load_rig(atrium::test::source_dir() + "/deploy/rigs/full_body.toml");
     ASSERT_TRUE(rig) << rig.error().message;
     const auto folder = std::filesystem::path(testing::TempDir()) / "atrium_model_hull";
     std::filesystem::create_directories(folder);

@@ -5,6 +5,7 @@
 #include "site_node/segmentation/segmentation.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "tests/support/shapes/winding_number.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +27,7 @@ struct Case {
 class PersonHull : public testing::TestWithParam<Case> {
 protected:
     void SetUp() override {
-        auto rig = config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml");
+        auto rig = config::load_rig(atrium::test::source_dir() + "/deploy/rigs/full_body.toml");
         ASSERT_TRUE(rig) << rig.error().message;
         cameras_ = rig->cameras;
         simulation::RoomOptions options;

@@ -1,5 +1,7 @@
 #include "tests/support/skips.hpp"
 
+#include "tests/support/source_dir.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,7 +48,7 @@ class Checker : public testing::EmptyTestEventListener {
 
 bool is_allowed(std::string_view message) {
     if (message.starts_with(kNoSharedData))
-        return !std::filesystem::exists(ATRIUM_SOURCE_DIR "/../shared/data");
+        return !std::filesystem::exists(atrium::test::source_dir() + "/../shared/data");
     return std::any_of(kReasons.begin(), kReasons.end(), [&](std::string_view reason) {
         return message.starts_with(reason);
     });

@@ -1,5 +1,6 @@
 #include "core/bus/bus.hpp"
 
+#include "tests/support/source_dir.hpp"
 #include "tests/unit/bus/all_messages.hpp"
 #include "tests/unit/bus/bus_support.hpp"
 #include "tests/unit/bus/random_messages.hpp"
@@ -37,7 +38,7 @@ SiteMesh mesh_of(const std::string& site, std::uint64_t frame_id, std::size_t nu
 
 /// The profiles, with samples that no delay of this test can let expire.
 std::filesystem::path profiles_without_lifespan() {
-    std::ifstream stream(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
+    std::ifstream stream(atrium::test::source_dir() + "/qos/profiles.xml");
     std::string text(std::istreambuf_iterator<char>(stream), {});
     text = std::regex_replace(text, std::regex("<lifespan>.*</lifespan>"), "");
     const std::filesystem::path file =

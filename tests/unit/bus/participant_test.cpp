@@ -1,4 +1,5 @@
 #include "core/bus/bus.hpp"
+#include "tests/support/source_dir.hpp"
 #include "tests/unit/bus/bus_support.hpp"
 
 #include <gmock/gmock.h>
@@ -150,7 +151,7 @@ TEST(Participant, CanBeCreatedByManyThreadsInOneDomain) {
 TEST(Participant, RefusesOtherNetworkSettingsUntilTheDomainIsClosed) {
     BusOptions options = own_world("settings", 105);
     BusOptions other = options;
-    other.network = ATRIUM_SOURCE_DIR "/qos/wan.xml";
+    other.network = atrium::test::source_dir() + "/qos/wan.xml";
     {
         const auto first = value(Participant::create(options));
         const auto second = value(Participant::create(options));
@@ -163,7 +164,7 @@ TEST(Participant, RefusesOtherNetworkSettingsUntilTheDomainIsClosed) {
 TEST(Participant, CycloneAcceptsEachNetworkFileOfTheProject) {
     for (const char* name : {"loopback", "lan", "wifi", "wan"}) {
         BusOptions options = own_world("files", 106);
-        options.network = std::string(ATRIUM_SOURCE_DIR "/qos/") + name + ".xml";
+        options.network = std::string(atrium::test::source_dir() + "/qos/") + name + ".xml";
         const auto participant = Participant::create(options);
         EXPECT_TRUE(participant.has_value()) << name << ": " << participant.error().message;
     }

@@ -3,6 +3,7 @@
 #include "core/bus/network_file.hpp"
 #include "core/bus/qos_profiles.hpp"
 #include "core/bus/topics.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,12 +41,12 @@ std::string error_of(const std::string& xml) {
 }
 
 TEST(QosProfiles, BuiltInCopiesEqualTheFiles) {
-    const auto profiles = read_text_file(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
+    const auto profiles = read_text_file(atrium::test::source_dir() + "/qos/profiles.xml");
     ASSERT_TRUE(profiles);
     EXPECT_EQ(*profiles, kBuiltinProfiles);
     for (const BuiltinNetwork& network : kBuiltinNetworks) {
-        const auto file =
-            read_text_file(ATRIUM_SOURCE_DIR "/qos/" + std::string(network.kind) + ".xml");
+        const auto file = read_text_file(atrium::test::source_dir() + "/qos/" +
+                                         std::string(network.kind) + ".xml");
         ASSERT_TRUE(file) << network.kind;
         EXPECT_EQ(*file, network.xml) << network.kind;
     }

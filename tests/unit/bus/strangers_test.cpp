@@ -3,6 +3,7 @@
 #include "core/bus/entity.hpp"
 #include "core/bus/participant.hpp"
 #include "core/bus/topics.hpp"
+#include "tests/support/source_dir.hpp"
 #include "tests/unit/bus/bus_support.hpp"
 
 #include <gmock/gmock.h>
@@ -39,7 +40,7 @@ TEST(Strangers, PeerWithOtherQosIsNamedOnceWithThePolicy) {
                       ("atrium-strangers-" + std::to_string(::getpid()) + ".xml");
     {
         std::string text;
-        std::ifstream in(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
+        std::ifstream in(atrium::test::source_dir() + "/qos/profiles.xml");
         text.assign(std::istreambuf_iterator<char>(in), {});
         for (std::size_t at = 0; (at = text.find("RELIABLE_RELIABILITY_QOS", at)) != text.npos;)
             text.replace(at, 24, "BEST_EFFORT_RELIABILITY_QOS");

@@ -1,6 +1,7 @@
 #include "core/config/rig.hpp"
 
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -121,7 +122,8 @@ TEST(LoadRig, ReportsAMissingFile) {
 }
 
 TEST(LoadRig, ReadsTheRealRecordings) {
-    const std::filesystem::path recordings = ATRIUM_SOURCE_DIR "/../shared/data/recordings";
+    const std::filesystem::path recordings =
+        atrium::test::source_dir() + "/../shared/data/recordings";
     if (!std::filesystem::exists(recordings))
         GTEST_SKIP() << atrium::test::skip::kNoSharedData << recordings;
     for (const char* name : {"ring20", "dancer", "horseman", "fourpersons_a"}) {

@@ -2,6 +2,7 @@
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/views/views_file.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 #include "tools/visual_hull/coverage.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@
 namespace atrium::hull {
 namespace {
 
-const std::filesystem::path kFolder = ATRIUM_SOURCE_DIR "/../shared/data/hulls";
+const std::filesystem::path kFolder = atrium::test::source_dir() + "/../shared/data/hulls";
 
 class HullSet : public testing::TestWithParam<std::string> {
 protected:

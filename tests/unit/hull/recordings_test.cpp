@@ -1,4 +1,5 @@
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 #include "tools/visual_hull/tool.hpp"
 
 #include <gtest/gtest.h>
@@ -27,7 +28,8 @@ TEST_P(RealPeople, HaveTheVolumeAndCoverTheirSilhouettes) {
     const Recording& expected = GetParam();
     ToolOptions options;
     options.recording =
-        std::filesystem::path(ATRIUM_SOURCE_DIR "/../shared/data/recordings") / expected.name;
+        std::filesystem::path(atrium::test::source_dir() + "/../shared/data/recordings") /
+        expected.name;
     options.frame = expected.frame;
     options.no_bounds = true;  // people reach a little beyond those of horseman
     if (!std::filesystem::exists(options.recording))

@@ -1,3 +1,5 @@
+#include "tests/support/source_dir.hpp"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -47,8 +49,9 @@ bool starts_with_any(const std::string& text, const std::vector<std::string>& pr
 
 class Layering : public testing::Test {
 protected:
-    std::vector<Include> includes_ = all_includes(
-        ATRIUM_SOURCE_DIR, {"core", "simulation", "site_node", "world_server", "viewer", "tools"});
+    std::vector<Include> includes_ =
+        all_includes(atrium::test::source_dir(),
+                     {"core", "simulation", "site_node", "world_server", "viewer", "tools"});
 };
 
 TEST_F(Layering, FindsTheProject) { EXPECT_GT(includes_.size(), 200u); }
@@ -232,7 +235,7 @@ TEST(FolderCycles, FindsAllFoldersOfALongCycle) {
 
 TEST(FolderCycles, AreNotInTheProject) {
     const auto includes = all_includes(
-        ATRIUM_SOURCE_DIR,
+        atrium::test::source_dir(),
         {"core", "simulation", "site_node", "world_server", "viewer", "tools", "bench", "tests"});
     EXPECT_EQ(folder_cycles(includes), std::set<Folders>{});
 }

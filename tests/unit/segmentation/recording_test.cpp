@@ -1,5 +1,6 @@
 #include "site_node/segmentation/segmentation.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -32,7 +33,7 @@ double intersection_over_union(const image::Mask& mask, const cv::Mat& truth) {
     return both / either;
 }
 
-const std::string kRecordings = ATRIUM_SOURCE_DIR "/../shared/data/recordings/";
+const std::string kRecordings = atrium::test::source_dir() + "/../shared/data/recordings/";
 
 Segmenter learned(const std::string& folder) {
     BackgroundLearner learner;

@@ -5,6 +5,7 @@
 #include "simulation/room_renderer.hpp"
 #include "simulation/simulated_loop.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 #include "tests/unit/simulation/rig_fixture.hpp"
 
 #include <gmock/gmock.h>
@@ -21,7 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-const fs::path kWalker = fs::path(ATRIUM_SOURCE_DIR) / "../shared/data/models/cesium_man.gltf";
+const fs::path kWalker =
+    fs::path(atrium::test::source_dir()) / "../shared/data/models/cesium_man.gltf";
 
 RoomOptions options_of(const fs::path& model) {
     RoomOptions options;

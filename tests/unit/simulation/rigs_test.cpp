@@ -1,5 +1,6 @@
 #include "core/config/rig.hpp"
 #include "simulation/person.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,7 @@ namespace atrium::simulation {
 namespace {
 
 config::Rig load(const std::string& file) {
-    auto rig = config::load_rig(std::string(ATRIUM_SOURCE_DIR "/deploy/rigs/") + file);
+    auto rig = config::load_rig(std::string(atrium::test::source_dir() + "/deploy/rigs/") + file);
     EXPECT_TRUE(rig) << rig.error().message;
     return rig ? *std::move(rig) : config::Rig{};
 }

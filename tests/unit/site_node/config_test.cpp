@@ -2,6 +2,7 @@
 
 #include "site_node/site_node.hpp"
 #include "site_node/start_check.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -233,7 +234,7 @@ TEST(SiteConfig, ListsFileOnlySettingsToo) {
 }
 
 TEST(SiteConfig, NamesMismatchesWithTheRigByFileAndLine) {
-    const auto rig = config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/table.toml");
+    const auto rig = config::load_rig(atrium::test::source_dir() + "/deploy/rigs/table.toml");
     ASSERT_TRUE(rig) << rig.error().message;
     const std::string box = "bounds = { min = [0, 0, 0], max = [1, 1, 1] }\n";
     const struct {
@@ -273,7 +274,7 @@ TEST(SiteConfig, NamesRegionsThatOverlap) {
 TEST(SiteConfig, OfEveryDeliveredSiteIsValid) {
     int num_sites = 0;
     for (const auto& entry :
-         std::filesystem::directory_iterator(ATRIUM_SOURCE_DIR "/deploy/sites")) {
+         std::filesystem::directory_iterator(atrium::test::source_dir() + "/deploy/sites")) {
         if (entry.path().extension() != ".toml") continue;
         ++num_sites;
         auto reader = config::TableReader::load(entry.path());

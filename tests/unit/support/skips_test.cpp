@@ -1,5 +1,7 @@
 #include "tests/support/skips.hpp"
 
+#include "tests/support/source_dir.hpp"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -16,7 +18,7 @@ TEST(Skip, IsAllowedForAListedReasonOnly) {
 }
 
 TEST(Skip, IsRefusedForMissingDataWhenTheDataIsThere) {
-    const bool is_there = std::filesystem::exists(ATRIUM_SOURCE_DIR "/../shared/data");
+    const bool is_there = std::filesystem::exists(atrium::test::source_dir() + "/../shared/data");
     EXPECT_EQ(is_allowed(std::string(kNoSharedData) + "a wrong path"), !is_there);
 }
 

@@ -1,5 +1,6 @@
 #include "world_server/config.hpp"
 
+#include "tests/support/source_dir.hpp"
 #include "tests/support/world/load_world.hpp"
 #include "world_server/scene.hpp"
 
@@ -115,7 +116,7 @@ TEST(WorldConfig, RefusesTooManyObjects) {
 TEST(WorldConfig, OfEveryDeliveredWorldIsValid) {
     int num_worlds = 0;
     for (const auto& entry :
-         std::filesystem::directory_iterator(ATRIUM_SOURCE_DIR "/deploy/worlds")) {
+         std::filesystem::directory_iterator(atrium::test::source_dir() + "/deploy/worlds")) {
         if (entry.path().extension() != ".toml") continue;
         ++num_worlds;
         const auto config = test_support::load_world(entry.path());

@@ -1,3 +1,4 @@
+#include "tests/support/source_dir.hpp"
 #include "tests/support/world/load_world.hpp"
 #include "world_server/description/doubts.hpp"
 #include "world_server/scene.hpp"
@@ -15,7 +16,7 @@ namespace atrium::world_server {
 namespace {
 
 std::filesystem::path world_file(const std::string& name) {
-    return std::filesystem::path(ATRIUM_SOURCE_DIR) / "deploy/worlds" / name;
+    return std::filesystem::path(atrium::test::source_dir()) / "deploy/worlds" / name;
 }
 
 std::map<std::uint32_t, physics::RigidState> states_of(Scene& scene) {

@@ -1,5 +1,6 @@
 // The demo's worlds with the demo's people, without cameras or network.
 #include "simulation/person.hpp"
+#include "tests/support/source_dir.hpp"
 #include "tests/support/world/load_world.hpp"
 #include "tools/demo/demo.hpp"
 #include "world_server/config.hpp"
@@ -19,7 +20,7 @@ namespace atrium::world_server {
 namespace {
 
 constexpr int kTicksPerMesh = 6;  // 20 Hz
-const std::filesystem::path kSource = ATRIUM_SOURCE_DIR;
+const std::filesystem::path kSource = atrium::test::source_dir();
 
 // Path of a file in deploy/demos.
 Expected<demo::DemoConfig> load_demo(const std::string& name) {

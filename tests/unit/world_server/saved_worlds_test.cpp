@@ -1,5 +1,6 @@
 #include "world_server/saved_worlds.hpp"
 
+#include "tests/support/source_dir.hpp"
 #include "tests/support/world/load_world.hpp"
 #include "world_server/description/world_text.hpp"
 #include "world_server/scene.hpp"
@@ -92,8 +93,8 @@ TEST_F(SavedWorldFiles, AllDeliveredWorldsReturnAsTheyWere) {
     ASSERT_TRUE(folder.open());
     for (const char* name : {"demo", "playroom", "ballpit", "dominoes", "puppet", "curtain"}) {
         SCOPED_TRACE(name);
-        const auto config = test_support::load_world(fs::path(ATRIUM_SOURCE_DIR) / "deploy/worlds" /
-                                                     (std::string(name) + ".toml"));
+        const auto config = test_support::load_world(
+            fs::path(atrium::test::source_dir()) / "deploy/worlds" / (std::string(name) + ".toml"));
         ASSERT_TRUE(config) << config.error().message;
         const auto scene = Scene::create(*config);
         ASSERT_TRUE(scene) << scene.error().message;
@@ -130,8 +131,8 @@ TEST_F(SavedWorldFiles, AllDeliveredWorldsReturnAsTheyWere) {
 }
 
 TEST(SceneEdits, RefuseATooLargeModelByItsScale) {
-    const auto config =
-        test_support::load_world(fs::path(ATRIUM_SOURCE_DIR) / "deploy/worlds/playroom.toml");
+    const auto config = test_support::load_world(fs::path(atrium::test::source_dir()) /
+                                                 "deploy/worlds/playroom.toml");
     ASSERT_TRUE(config);
     auto scene = Scene::create(*config);
     ASSERT_TRUE(scene);
@@ -152,8 +153,8 @@ TEST(SceneEdits, RefuseATooLargeModelByItsScale) {
 }
 
 TEST_F(SavedWorldFiles, SaveWhereThingsAreNow) {
-    const auto config =
-        test_support::load_world(fs::path(ATRIUM_SOURCE_DIR) / "deploy/worlds/playroom.toml");
+    const auto config = test_support::load_world(fs::path(atrium::test::source_dir()) /
+                                                 "deploy/worlds/playroom.toml");
     ASSERT_TRUE(config);
     auto scene = Scene::create(*config);
     ASSERT_TRUE(scene);

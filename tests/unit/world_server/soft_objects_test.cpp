@@ -1,6 +1,7 @@
 // The [[soft]] tables of a world file.
 #include "world_server/description/soft_objects.hpp"
 
+#include "tests/support/source_dir.hpp"
 #include "world_server/config.hpp"
 #include "world_server/scene.hpp"
 
@@ -137,7 +138,8 @@ TEST_F(SoftModelFile, IsRefusedWithFileLineAndKey) {
 }
 
 TEST(SoftConfig, ReadsTheWorldWithTheCurtain) {
-    const auto file = std::filesystem::path(ATRIUM_SOURCE_DIR) / "deploy/worlds/curtain.toml";
+    const auto file =
+        std::filesystem::path(atrium::test::source_dir()) / "deploy/worlds/curtain.toml";
     auto reader = config::TableReader::load(file);
     ASSERT_TRUE(reader.has_value());
     WorldServerConfig config;

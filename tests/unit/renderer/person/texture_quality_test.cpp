@@ -6,6 +6,7 @@
 #include "tests/support/pictures/person_photographer.hpp"
 #include "tests/support/pictures/picture_error.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 
 #include <gtest/gtest.h>
 
@@ -53,8 +54,9 @@ PictureError mean_error(const renderer::PersonModel& model,
 class SimulatedRoom : public testing::Test {
 protected:
     static void SetUpTestSuite() {
-        rig_ =
-            config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/full_body_1mp.toml").value().cameras;
+        rig_ = config::load_rig(atrium::test::source_dir() + "/deploy/rigs/full_body_1mp.toml")
+                   .value()
+                   .cameras;
         for (geometry::CalibratedCamera& camera : rig_) {
             auto& lens = camera.intrinsics;
             lens = {.width = 500,
@@ -146,7 +148,8 @@ TEST_F(SimulatedRoom, HasNoPoppingOnAPathAround) {
 }
 
 TEST(RecordedPerson, MatchesCamerasThatWereLeftOut) {
-    const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/../shared/data/recordings/ring20";
+    const std::filesystem::path folder =
+        atrium::test::source_dir() + "/../shared/data/recordings/ring20";
     if (!std::filesystem::exists(folder))
         GTEST_SKIP() << atrium::test::skip::kNoSharedData << folder;
     const auto pictures = load_pictures(folder);

@@ -1,5 +1,7 @@
 #include "viewer/ui/display.hpp"
 
+#include "tests/support/source_dir.hpp"
+
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -233,7 +235,8 @@ TEST_F(DisplayWall, IsRefusedWithAReason) {
 TEST_F(DisplayWall, AcceptsTheDeliveredFile) {
     for (const char* tile : {"left", "right"})
         EXPECT_TRUE(Display::create(
-            {.wall = ATRIUM_SOURCE_DIR "/deploy/walls/two_projectors.toml", .tile = tile}));
+            {.wall = atrium::test::source_dir() + "/deploy/walls/two_projectors.toml",
+             .tile = tile}));
 }
 
 }  // namespace

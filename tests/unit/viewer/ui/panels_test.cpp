@@ -1,3 +1,4 @@
+#include "tests/support/source_dir.hpp"
 #include "viewer/start/start_screen.hpp"
 #include "viewer/ui/curve.hpp"
 #include "viewer/ui/free_place.hpp"
@@ -24,7 +25,7 @@ using namespace std::chrono_literals;
 
 std::string text_of_file(const std::string& file) {
     std::ostringstream text;
-    text << std::ifstream(ATRIUM_SOURCE_DIR "/" + file).rdbuf();
+    text << std::ifstream(atrium::test::source_dir() + "/" + file).rdbuf();
     return text.str();
 }
 
