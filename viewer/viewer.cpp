@@ -173,7 +173,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     const UserControl::Shown shown = this->shown();
     send(control.move(events, shown, now));
     select(events, now);
-    if (events.scan_models) models.scan();
+    models.show(events.show_models);
     models.measure(events.measure_model);
     hud.measured_model = events.measure_model;
     if (events.screenshot) {

@@ -18,10 +18,17 @@ constexpr config::Range kViewpointM{-1000.0, 1000.0};
 constexpr std::size_t kMaxName = 63;
 constexpr std::size_t kMaxEntries = 2048;  // of all worlds; the oldest are dropped
 
+// UTF-8 without control characters, cut between two characters.
 std::string printable(std::string name) {
-    std::replace_if(
-        name.begin(), name.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    return name.substr(0, kMaxName);
+    const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; };
+    std::replace_if(name.begin(), name.end(), is_control, '?');
+    if (name.size() <= kMaxName) return name;
+    const auto continues = [&](std::size_t i) {
+        return (static_cast<unsigned char>(name[i]) & 0xc0U) == 0x80U;
+    };
+    std::size_t end = kMaxName;
+    while (end > 0 && continues(end)) --end;
+    return name.substr(0, end);
 }
 
 Viewpoint read_viewpoint(config::TableReader& table) {

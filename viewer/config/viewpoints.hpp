@@ -15,7 +15,7 @@ namespace atrium::viewer {
 
 /// A viewpoint with a name.
 struct Viewpoint {
-    std::string name;  // printable, at most 63 characters
+    std::string name;  // UTF-8 without control characters, at most 63 bytes
     renderer::ViewCamera camera;
 };
 

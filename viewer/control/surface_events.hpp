@@ -44,7 +44,7 @@ struct SurfaceEvents {
     bool remove_pointed = false;          // remove the selected object, or that under the pointer
     bool is_over_panel = false;           // with `remove_pointed`: no object is under the pointer
     EditEvents edit;
-    bool scan_models = false;   // read the list of models
+    bool show_models = false;   // the list of models is open
     std::string measure_model;  // read the size of this model; empty: none
 };
 

@@ -62,6 +62,10 @@ ModelSize ModelFolder::measure_file(const fs::path& file) {
     return size;
 }
 
+void ModelFolder::show(bool is_shown) {
+    if (!std::exchange(is_shown_, is_shown) && is_shown) scan();
+}
+
 void ModelFolder::scan() {
     reader_.forget();
     reader_.want({});

@@ -33,8 +33,8 @@ public:
     using List = std::shared_ptr<const std::vector<ModelEntry>>;
 
     explicit ModelFolder(const std::filesystem::path& folder);
-    /// Requests the list anew.
-    void scan();
+    /// Whether the list is shown: reads it anew each time that this begins.
+    void show(bool is_shown);
     /// Requests the size of a model of the list, once.
     void measure(const std::string& file);
     /// Takes what was read since the last call.
@@ -48,10 +48,12 @@ private:
         std::vector<ModelEntry> list;
         ModelSize size;
     };
+    void scan();
     static std::vector<ModelEntry> list_of(const std::filesystem::path& folder);
     static ModelSize measure_file(const std::filesystem::path& file);
 
     List list_;
+    bool is_shown_ = false;
     std::map<std::string, ModelSize> sizes_;
     BackgroundReader<std::string, Read> reader_;  // by file; empty: the list
 };

@@ -59,7 +59,6 @@ private:
     void show_lowest();
 
     bool wants_worlds_ = false;
-    bool was_models_open_ = false;
     bool were_worlds_open_ = false;
     int frames_to_show_ = 0;  // pictures in which the menu still scrolls to what has just appeared
     std::array<char, 64> filter_{};

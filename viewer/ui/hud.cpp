@@ -154,7 +154,9 @@ float draw_hud(const HudContent& content, bool has_details) {
 void draw_question(Action action) {
     begin_panel("question", Corner::kMiddle, 0.96, PanelKind::kText);
     ImGui::TextUnformatted(action == Action::kReset ? "R again: reset all objects, for everybody"
-                                                    : "Esc again: close the viewer");
+                           : action == Action::kOtherWorld
+                               ? "Backspace again: leave this world   Delete: remove the object"
+                               : "Esc again: close the viewer");
     ImGui::End();
 }
 

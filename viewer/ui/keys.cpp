@@ -153,7 +153,7 @@ constexpr std::array kBindings{
     KeyBinding{Action::kKeys, "F1, ?", "show or hide this list", false, false, {GLFW_KEY_F1}},
     KeyBinding{Action::kOtherWorld,
                "Backspace",
-               "leave this world, back to the list of worlds",
+               "leave this world, back to the list of worlds (twice while an object is selected)",
                false,
                false,
                {GLFW_KEY_BACKSPACE}},

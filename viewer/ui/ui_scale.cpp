@@ -53,9 +53,12 @@ void UiSizes::set_scale(double scale) {
     ImGui::GetStyle().ScaleAllSizes(static_cast<float>(scale));
     ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
     fonts.Clear();
+    // Latin, Greek, Cyrillic, and marks such as dashes and the euro: as people type them
+    static constexpr std::array<ImWchar, 9> kLetters{
+        0x20, 0x17f, 0x370, 0x52f, 0x2010, 0x205e, 0x20a0, 0x20bf, 0};
     const char* file = font_file();
     const auto size_px = static_cast<float>(std::round(kLetter_px * scale));
-    if (file == nullptr || fonts.AddFontFromFileTTF(file, size_px) == nullptr) {
+    if (file == nullptr || fonts.AddFontFromFileTTF(file, size_px, nullptr, kLetters.data()) == nullptr) {
         // without fractions of its pixels, which would blur it
         ImFontConfig built_in;
         built_in.SizePixels =

@@ -190,8 +190,10 @@ private:
             if (key.action == Action::kFullScreen) full_screen_.toggle(window_);
             return;
         }
-        // undo does not bring back what a reset takes from everybody
-        if (key.action == Action::kReset && !is_confirmed(Action::kReset)) return;
+        // a reset cannot be undone; some keyboards have Backspace where others have Delete
+        const bool asks = key.action == Action::kReset ||
+                          (key.action == Action::kOtherWorld && has_selection_);
+        if (asks && !is_confirmed(key.action)) return;
         if (change_view(key, events_) || change_selected(key, events_.edit)) return;
         change_panels(key);
     }

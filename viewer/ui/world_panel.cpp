@@ -3,6 +3,7 @@
 #include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/ui_scale.hpp"
 
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -89,22 +90,26 @@ void draw_size(const ModelSize* size, double scale) {
 }  // namespace
 
 void WorldPanel::draw_models(const HudContent& content, SurfaceEvents& events) {
-    if (!was_models_open_) events.scan_models = true;
+    events.show_models = true;
     ImGui::InputText("search", filter_.data(), filter_.size());
     const std::string filter = lower(filter_.data());
     if (begin_list("##models")) {
         if (content.models == nullptr)
             ImGui::TextUnformatted("reading the folder ...");
         else if (content.models->empty())
-            draw_wrapped("no models in " + content.models_folder);
+            draw_wrapped("no models in " + content.models_folder +
+                         " (another folder: --viewer.models)");
+        bool has_any = content.models == nullptr || content.models->empty();
         for (const ModelEntry& entry :
              content.models ? *content.models : std::vector<ModelEntry>{}) {
             if (lower(entry.file).find(filter) == std::string::npos) continue;
+            has_any = true;
             if (ImGui::Selectable(entry.file.c_str(), entry.file == model_)) {
                 model_ = entry.file;
                 frames_to_show_ = kFramesToShow;
             }
         }
+        if (!has_any) draw_wrapped(fmt::format("no model has '{}' in its name", filter_.data()));
         ImGui::EndListBox();
     }
     events.measure_model = model_;
@@ -197,9 +202,7 @@ void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
 }
 
 void WorldPanel::draw(const HudContent& content, SurfaceEvents& events) {
-    const bool is_open = ImGui::CollapsingHeader("models");
-    if (is_open) draw_models(content, events);
-    was_models_open_ = is_open;
+    if (ImGui::CollapsingHeader("models")) draw_models(content, events);
     if (std::exchange(wants_worlds_, false)) {
         ImGui::SetNextItemOpen(true);
         frames_to_show_ = kFramesToShow;

@@ -61,6 +61,20 @@ TEST_F(UserFiles, KeepViewpointsOfEachWorld) {
     EXPECT_EQ(book("garden").at(1)->name, "view 1");
 }
 
+TEST_F(UserFiles, KeepNamesInAnyLanguage) {
+    const std::string name = "Tür für Jörg, 5 €";
+    std::string longer(62, 'x');
+    longer += "ü";  // its second byte is the 64th
+    {
+        ViewpointBook lab = book();
+        EXPECT_TRUE(lab.keep(1, {name, view_}));
+        EXPECT_TRUE(lab.keep(2, {longer, view_}));
+    }
+    const ViewpointBook lab = book();
+    EXPECT_EQ(lab.at(1)->name, name);
+    EXPECT_EQ(lab.at(2)->name, std::string(62, 'x')) << "never half a character";
+}
+
 TEST_F(UserFiles, OwnViewpointsReplaceThoseOfTheViewerFile) {
     given_ = {{"front", view_}, {"side", view_}};
     ViewpointBook lab = book();

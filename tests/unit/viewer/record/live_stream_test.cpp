@@ -8,6 +8,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+extern "C" {
+#include <libavutil/log.h>
+}
+
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -120,6 +124,16 @@ TEST(StreamAddress, NamesTheFaultWithoutTheOptions) {
         EXPECT_THAT(target.error().message, HasSubstr("video.stream"));
         EXPECT_THAT(target.error().message, testing::Not(HasSubstr("geheim")));
     }
+}
+
+// OpenCV's videos set libav's level again, and its messages hold the address with all options.
+TEST(LiveStream, KeepsLibavSilent) {
+    const auto stream = stream_to("udp://127.0.0.1:" + std::to_string(free_port()));
+    ASSERT_TRUE(stream);
+    av_log_set_level(AV_LOG_ERROR);
+    testing::internal::CaptureStderr();
+    av_log(nullptr, AV_LOG_ERROR, "srt://host:1?passphrase=geheim");
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 class LiveStreamOver : public testing::TestWithParam<std::pair<const char*, const char*>> {};

@@ -29,7 +29,7 @@ TEST(ModelFolder, ListsModelsOfAllFoldersAndMeasuresThem) {
     put(".hidden/secret.obj", "");
     ModelFolder folder(root);
     EXPECT_EQ(folder.list(), nullptr);
-    folder.scan();
+    folder.show(true);
     ASSERT_TRUE(test_support::comes_true([&] {
         folder.update();
         return folder.list() != nullptr;
@@ -47,6 +47,15 @@ TEST(ModelFolder, ListsModelsOfAllFoldersAndMeasuresThem) {
     EXPECT_FALSE(folder.size_of("models/tetra.obj")->preview.greys.empty());
     EXPECT_TRUE(folder.size_of("models/deep/broken.obj")->preview.greys.empty());
     EXPECT_THAT(folder.size_of("models/deep/broken.obj")->error, testing::HasSubstr("broken.obj"));
+    fs::remove(root / "models/deep/broken.obj");
+    const auto update = [&](bool is_shown) {
+        folder.show(is_shown);
+        folder.update();
+        return folder.list()->size();
+    };
+    EXPECT_EQ(update(true), 2U) << "still the same list";
+    update(false);
+    EXPECT_TRUE(test_support::comes_true([&] { return update(true) == 1U; })) << "read anew";
     fs::remove_all(root);
 }
 

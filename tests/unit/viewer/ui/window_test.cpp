@@ -82,6 +82,15 @@ TEST_F(ViewerWindow, ReportsItsKeys) {
     }));
 }
 
+TEST_F(ViewerWindow, BackspaceAsksWhileAnObjectIsSelected) {
+    figures_.edit.selected.emplace();
+    draw();
+    display_->press(kTitle, "BackSpace");
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().other_world) << "it asks first";
+    display_->press(kTitle, "BackSpace");
+    EXPECT_TRUE(comes_true([&] { return draw().other_world; }));
+}
+
 TEST_F(ViewerWindow, EscapeLeavesTheEyesOfAPersonFirst) {
     figures_.inside = "alice";
     draw();
