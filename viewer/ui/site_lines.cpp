@@ -57,11 +57,11 @@ std::string DepartedPeople::update(const std::vector<SiteLine>& lines, Clock::ti
         return present_.contains(item.first) || now - item.second > kShown;
     });
     std::vector<std::string> texts;
-    for (const auto& [name, since] : left_)
-        texts.push_back(
-            fmt::format("{} left {} s ago",
-                        name,
-                        std::chrono::duration_cast<std::chrono::seconds>(now - since).count()));
+    for (const auto& [name, since] : left_) {
+        const auto ago_s = std::chrono::duration_cast<std::chrono::seconds>(now - since).count();
+        texts.push_back(ago_s == 0 ? fmt::format("{} just left", name)
+                                   : fmt::format("{} left {} s ago", name, ago_s));
+    }
     return fmt::format("{}", fmt::join(texts, ", "));
 }
 

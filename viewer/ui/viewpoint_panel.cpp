@@ -47,8 +47,14 @@ void ViewpointPanel::draw_line(const ViewpointLine& line, SurfaceEvents& events)
     }
     ImGui::TableNextColumn();
     if (line.is_own) {
-        if (ImGui::SmallButton("delete"))
-            events.viewpoint = ViewpointEvent{ViewpointAsk::kForget, line.number, ""};
+        // nothing brings a viewpoint back
+        const bool asks = deleted_ == line.number;
+        if (ImGui::SmallButton(asks ? "really?###delete" : "delete###delete")) {
+            if (asks) events.viewpoint = ViewpointEvent{ViewpointAsk::kForget, line.number, ""};
+            deleted_ = asks ? 0 : line.number;
+        } else if (asks && !ImGui::IsItemHovered() && ImGui::IsMouseClicked(0)) {
+            deleted_ = 0;
+        }
     } else {
         ImGui::TextDisabled("of the file");
     }
@@ -58,7 +64,8 @@ void ViewpointPanel::draw_line(const ViewpointLine& line, SurfaceEvents& events)
 void ViewpointPanel::draw(const HudContent& content, SurfaceEvents& events) {
     place_beside_others("viewpoints", Corner::kLowerRight);
     begin_placed_panel("viewpoints", 0.6);
-    ImGui::Text("%zu viewpoints", content.viewpoints.size());
+    const std::size_t num = content.viewpoints.size();
+    ImGui::Text("%zu viewpoint%s", num, num == 1 ? "" : "s");
     if (ImGui::BeginTable("viewpoints", 4, ImGuiTableFlags_SizingFixedFit)) {
         for (const ViewpointLine& line : content.viewpoints) draw_line(line, events);
         ImGui::EndTable();

@@ -16,6 +16,7 @@ private:
     void draw_line(const ViewpointLine& line, SurfaceEvents& events);
 
     int renamed_ = 0;           // number of the viewpoint whose name is typed; 0: none
+    int deleted_ = 0;           // number of the viewpoint that the next press deletes; 0: none
     bool wants_focus_ = false;  // the field of that name just appeared
     std::array<char, 64> name_{};
 };

@@ -149,6 +149,28 @@ TEST_F(ViewerWindow, RenamesAViewpointWithoutTakingItsLettersForKeys) {
     EXPECT_EQ(renamed->name, "nb");
 }
 
+TEST_F(ViewerWindow, DeletesAViewpointAtTheSecondPress) {
+    figures_.viewpoints = {{1, "view 1", true}};
+    display_->press(kTitle, "k");
+    for (int i = 0; i < 10; ++i) draw();
+    const auto deletes = [&](int x) {
+        click(x, 277);
+        bool is_deleted = false;
+        for (int i = 0; i < 5; ++i) {
+            const SurfaceEvents events = draw();
+            is_deleted |=
+                events.viewpoint && events.viewpoint->kind == ViewpointEvent::Kind::kForget;
+        }
+        return is_deleted;
+    };
+    bool is_deleted = false;
+    for (int x = 636; x > 500 && !is_deleted; x -= 12) {
+        EXPECT_FALSE(deletes(x)) << "it asks first";
+        is_deleted = deletes(x);
+    }
+    EXPECT_TRUE(is_deleted);
+}
+
 // The list is at the lower left. The test finds its boxes by clicking.
 TEST_F(ViewerWindow, HidesSitesFromTheirListByMouseAndKeys) {
     figures_.sites = {{"alice", 1, "15/s", "live"}, {"bob", 2, "15/s", "live"}};
