@@ -24,7 +24,8 @@ Expected<std::unique_ptr<LiveStream>> LiveStream::create(const std::string& url,
                                                          int kbps) {
     auto target = parse_stream(url);
     if (!target) return tl::unexpected(target.error());
-    // The sender reports what happens, once and without secrets. OpenCV's videos set the level again.
+    // The sender reports what happens, once and without secrets. OpenCV's videos set the level
+    // again.
     av_log_set_callback([](void*, int, const char*, va_list) {});
     std::unique_ptr<LiveStream> stream(new LiveStream);
     stream->target_ = std::move(*target);

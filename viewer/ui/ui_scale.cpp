@@ -58,7 +58,8 @@ void UiSizes::set_scale(double scale) {
         0x20, 0x17f, 0x370, 0x52f, 0x2010, 0x205e, 0x20a0, 0x20bf, 0};
     const char* file = font_file();
     const auto size_px = static_cast<float>(std::round(kLetter_px * scale));
-    if (file == nullptr || fonts.AddFontFromFileTTF(file, size_px, nullptr, kLetters.data()) == nullptr) {
+    if (file == nullptr ||
+        fonts.AddFontFromFileTTF(file, size_px, nullptr, kLetters.data()) == nullptr) {
         // without fractions of its pixels, which would blur it
         ImFontConfig built_in;
         built_in.SizePixels =

@@ -191,8 +191,8 @@ private:
             return;
         }
         // a reset cannot be undone; some keyboards have Backspace where others have Delete
-        const bool asks = key.action == Action::kReset ||
-                          (key.action == Action::kOtherWorld && has_selection_);
+        const bool asks =
+            key.action == Action::kReset || (key.action == Action::kOtherWorld && has_selection_);
         if (asks && !is_confirmed(key.action)) return;
         if (change_view(key, events_) || change_selected(key, events_.edit)) return;
         change_panels(key);
