@@ -71,6 +71,7 @@ protected:
             all.reset_scene |= events.reset_scene;
             if (events.add) all.add = events.add;
             if (events.remove) all.remove = events.remove;
+            if (events.viewpoint) all.viewpoint = events.viewpoint;
             if (!events.edit.save_world.empty()) all.edit.save_world = events.edit.save_world;
             // the viewer selects it
             if (events.edit.select) {
