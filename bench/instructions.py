@@ -5,7 +5,8 @@ The counter is valgrind's callgrind. It needs no rights and no hardware counters
 same processor (with AVX2 if the machine has it). Takes one to three minutes on 2 cores, under any load. The profiles stay in
 BUILD/metaframes: callgrind_annotate BUILD/metaframes/viewer.callgrind
 
-exit codes: 0 at most 15 % above the kept figures; 1 more, or no figures are kept for this kind of processor; 2 wrong command line; 3 something is missing
+exit codes: 0 at most 15 % above the kept figures; 1 more, or no figures are kept for this kind of processor; 2 wrong command line; 3 something is missing;
+4 valgrind does not know an instruction that this processor runs, so nothing can be counted here
 """
 
 import argparse
@@ -44,6 +45,12 @@ def collected(text):
     return int(found.group(1)) if found and int(found.group(1)) > 0 else None
 
 
+def unknown_instruction(text):
+    """The line in which valgrind says that it does not know an instruction, from its output; None if there is none."""
+    found = re.search(r"^.*unhandled instruction bytes: .*$", text, re.MULTILINE)
+    return found.group(0) if found else None
+
+
 def run(command, **more):
     return subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
                           check=False, **more)
@@ -56,6 +63,9 @@ def count(stage, program, folder, num):
     environment = {**os.environ, "LP_NUM_THREADS": "0", "MESA_SHADER_CACHE_DISABLE": "true", "VALGRIND_OPTS": ""}
     done = run(command, env=environment)
     instructions = collected(done.stdout)
+    unknown = unknown_instruction(done.stdout)
+    if instructions is None and unknown:
+        fail(f"nothing was counted: valgrind does not know an instruction of this processor, or of a library that uses it here: {unknown}", 4)
     if done.returncode != 0 or instructions is None:
         fail(f"{' '.join(command)} ended with exit code {done.returncode}:\n{done.stdout[-2000:]}", 3)
     return instructions / num

@@ -1,6 +1,8 @@
 """Tests the computations of the scripts in bench/. They start no demo. Run by ctest: python3 tests/unit/bench/bench_scripts_test.py"""
 
+import contextlib
 import copy
+import io
 import json
 import os
 import signal
@@ -301,6 +303,16 @@ class Instructions(unittest.TestCase):
         self.assertEqual(instructions.collected("==1== Events    : Ir\n==1== Collected : 335736149\n==1==\n"), 335736149)
         self.assertIsNone(instructions.collected("==1== Collected : 0\n"))  # nothing was counted
         self.assertIsNone(instructions.collected("==1== error\n"))
+
+    def test_a_processor_that_valgrind_does_not_know(self):
+        unknown = "vex amd64->IR: unhandled instruction bytes: 0xF 0x1 0xF9 0x48"
+        self.assertEqual(instructions.unknown_instruction(f"==1== a\n{unknown}\n==1== b\n"), unknown)
+        self.assertIsNone(instructions.unknown_instruction("==1== Process terminating with default action of signal 4 (SIGILL)\n"))
+        for output, code in ((unknown, 4), ("==1== error\n", 3)):  # a crash of our own is no excuse
+            with mock.patch.object(instructions, "run", return_value=mock.Mock(returncode=-4, stdout=output)), \
+                    contextlib.redirect_stderr(io.StringIO()), self.assertRaises(SystemExit) as ended:
+                instructions.count("site", "program", "folder", 8)
+            self.assertEqual(ended.exception.code, code)
 
     def test_fails_above_fifteen_percent_in_any_stage(self):
         kept = {"site": 100e6, "world": 100e6, "viewer": 100e6}
