@@ -1,13 +1,13 @@
 # Functions that define Atrium's libraries, programs and tests. Folder = module = target; every source is listed, none globbed.
 
-# With ccache all clones and build folders of a host share what was compiled once: paths count from the root of the tree, and
+# With ccache all clones and build folders of a host share what was compiled once: paths count from the root of the tree, in assert too, and
 # precompiled headers take part (GCC tells of them with -fpch-preprocess).
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
         CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
     set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
-    add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)
+    add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess> -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=)
 endif()
 
 # gold, of the same package as the default linker, takes a quarter of its time.
