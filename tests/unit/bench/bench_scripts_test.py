@@ -139,7 +139,8 @@ assert sys.argv[sys.argv.index("--table-seconds") + 1] == "1"
 output = sys.argv[sys.argv.index("--output") + 1]
 behaviour = os.environ["FAKE_DEMO"]
 sleeper = os.path.join(os.path.dirname(os.path.abspath(__file__)), "world_server")
-child = subprocess.Popen([sleeper, "--config", "w.toml"])
+child = subprocess.Popen([sleeper, "--config", "w.toml"], stdout=subprocess.PIPE)
+child.stdout.readline()  # while a program is being replaced by exec, /proc shows no command line
 stopped = []
 for number in (signal.SIGINT, signal.SIGTERM):
     signal.signal(number, lambda *_: stopped.append(1))
@@ -164,7 +165,7 @@ class RunsADemo(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
-        for name, text in (("demo", FAKE_DEMO), ("world_server", "#!/bin/sh\nexec python3 -c 'import time; time.sleep(600)' \"$@\"\n")):
+        for name, text in (("demo", FAKE_DEMO), ("world_server", "#!/bin/sh\nexec python3 -c 'import time; print(1, flush=True); time.sleep(600)' \"$@\"\n")):
             path = os.path.join(self.folder.name, name)
             with open(path, "w", encoding="utf-8") as file:
                 file.write(text)
