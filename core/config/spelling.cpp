@@ -1,6 +1,7 @@
 #include "core/config/spelling.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstddef>
 #include <numeric>
@@ -39,6 +40,36 @@ std::string with_underscores(std::string_view name) {
     return text;
 }
 
+// "limits_rad" for "limits_deg"
+bool is_in_another_unit(std::string_view written, std::string_view meant) {
+    static constexpr std::array<std::string_view, 18> kUnits{"m",
+                                                             "cm",
+                                                             "mm",
+                                                             "in",
+                                                             "ft",
+                                                             "kg",
+                                                             "g",
+                                                             "s",
+                                                             "ms",
+                                                             "us",
+                                                             "min",
+                                                             "hz",
+                                                             "fps",
+                                                             "deg",
+                                                             "rad",
+                                                             "px",
+                                                             "mps",
+                                                             "percent"};
+    const auto split = [](std::string_view word) {
+        const std::size_t end = std::min(word.rfind('_'), word.size());
+        return std::pair(word.substr(0, end), word.substr(std::min(end + 1, word.size())));
+    };
+    const auto [stem, unit] = split(written);
+    const auto [meant_stem, meant_unit] = split(meant);
+    return !stem.empty() && stem == meant_stem && std::ranges::find(kUnits, unit) != kUnits.end() &&
+           std::ranges::find(kUnits, meant_unit) != kUnits.end();
+}
+
 // Distance of two words, or nothing if the one is no misspelling of the other.
 std::optional<std::size_t> distance(std::string_view written, std::string_view meant) {
     constexpr std::size_t kShortestStem = 3;
@@ -47,7 +78,7 @@ std::optional<std::size_t> distance(std::string_view written, std::string_view m
     if (lacks_unit) return 1;
     const bool lacks_words = is_part && meant.ends_with(written) &&
                              meant[meant.size() - written.size() - 1] == '_';  // "yaw_deg"
-    if (lacks_words) return 1;
+    if (lacks_words || is_in_another_unit(written, meant)) return 1;
     if (!may_be_misspelling(written, meant)) return std::nullopt;
     return num_edits(written, meant);
 }
@@ -117,6 +148,14 @@ std::string ask_which(const std::vector<std::string>& names, std::string_view be
     for (const std::string& name : names)
         text.append(text.empty() ? "did you mean " : " or ").append(before).append(name);
     return text.empty() ? text : text + "?";
+}
+
+std::string must_be_one_of(const std::vector<std::string>& choices, std::string_view written) {
+    std::string text;
+    for (const std::string& choice : choices)
+        text.append(text.empty() ? "must be one of " : ", ").append(choice);
+    const std::string question = ask_which(names_meant_by(written, choices));
+    return question.empty() ? text : text + "; " + question;
 }
 
 std::string ask_which_path(const std::filesystem::path& missing) {

@@ -13,12 +13,16 @@ bool may_be_misspelling(std::string_view written, std::string_view meant);
 
 /// Returns those of `names` that `written` most probably stands for, best first, at most three.
 /// Both may be keys with dots: `written` may lack the tables before the last dot, name another
-/// table, or lack a unit at its end ("rate" for "rate_hz"). '-' and '_' count as equal.
+/// table, lack a unit at its end ("rate" for "rate_hz") or have another ("limits_rad" for
+/// "limits_deg"). '-' and '_' count as equal.
 std::vector<std::string> names_meant_by(std::string_view written,
                                         const std::vector<std::string>& names);
 
 /// Returns "did you mean A or B?", or nothing if `names` is empty. `before` precedes each name.
 std::string ask_which(const std::vector<std::string>& names, std::string_view before = "");
+
+/// Returns "must be one of A, B; did you mean B?" for a `written` that is none of the choices.
+std::string must_be_one_of(const std::vector<std::string>& choices, std::string_view written);
 
 /// For a path that does not exist: finds files and folders beside its first missing part whose
 /// names may be meant, by spelling, case or a missing extension. Returns "did you mean DIR/rooms?",

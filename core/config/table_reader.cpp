@@ -277,7 +277,7 @@ void TableReader::read(const std::string& key,
     if (!found->is_string()) return reject(key, "must be a string in double quotes");
     const std::string text = found->as_string();
     if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) {
-        return reject(key, fmt::format("must be one of {}", fmt::join(choices, ", ")));
+        return reject(key, must_be_one_of(choices, text));
     }
     value = text;
 }

@@ -234,7 +234,7 @@ void add_import(CLI::App& app, Action& action) {
         ->add_option("--cameras",
                      options->cameras,
                      "only the cameras with these names, or patterns of a shell such as '00_*'; "
-                     "commas between several; default: all")
+                     "'!NAME' leaves one out; commas between several; default: all")
         ->type_name("NAME,...")
         ->delimiter(',')
         ->allow_extra_args(false);

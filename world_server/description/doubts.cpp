@@ -251,6 +251,23 @@ void doubt_soft_models(const WorldDescription& world, std::vector<std::string>& 
     }
 }
 
+// The people of a site need no right to push things, and a site sends no commands.
+void doubt_rights(const WorldDescription& world, std::vector<std::string>& lines) {
+    for (const auto& [key, right] : kRights) {
+        for (const std::string& name : (world.rights.*right).names) {
+            if (std::ranges::find(world.placements, name, &NamedPlacement::site) ==
+                world.placements.end())
+                continue;
+            lines.push_back(
+                fmt::format("rights_looks_wrong right={} name={} reason=\"this is a site, and "
+                            "rights are those of viewers: write the name of a viewer "
+                            "(view.name)\"",
+                            key,
+                            name));
+        }
+    }
+}
+
 }  // namespace
 
 std::vector<std::string> doubts_about(const WorldDescription& world, double tick_hz) {
@@ -265,6 +282,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_soft_models(world, lines);
     doubt_starts(world, lines);
     doubt_loads(world, tick_hz, lines);
+    doubt_rights(world, lines);
     return lines;
 }
 

@@ -43,6 +43,7 @@ void read_size(config::TableReader& reader, physics::RigidObject& object) {
         return reader.read("size_m", object.size_m.data(), 2, kSizeRange);
     }
     double diameter_m = 0.0;
+    reader.forbid("radius_m", "write diameter_m, twice the radius");
     reader.require("diameter_m");
     reader.read("diameter_m", diameter_m, kSizeRange);
     object.size_m.setConstant(diameter_m);

@@ -3,7 +3,6 @@
 #include "core/bus/names.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace atrium::world_server {
 namespace {
@@ -33,15 +32,7 @@ bool Right::allows(const std::string& sender) const {
 
 void read_rights(config::TableReader& reader, Rights& rights) {
     config::TableReader table = reader.table("rights");
-    for (const auto& [key, right] : {std::pair<const char*, Right*>{"add", &rights.add},
-                                     {"remove", &rights.remove},
-                                     {"reset", &rights.reset},
-                                     {"push", &rights.push},
-                                     {"grab", &rights.grab},
-                                     {"edit", &rights.edit},
-                                     {"save", &rights.save}}) {
-        read_right(table, key, *right);
-    }
+    for (const auto& [key, right] : kRights) read_right(table, key, rights.*right);
     table.read("max_per_s", rights.max_per_s, {1.0, 10'000.0});
 }
 

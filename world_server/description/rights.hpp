@@ -2,7 +2,9 @@
 
 #include "core/config/table_reader.hpp"
 
+#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace atrium::world_server {
@@ -27,6 +29,17 @@ struct Rights {
     Right save{.everyone = false, .names = {}};  // includes restoring, saved worlds
     double max_per_s = 200.0;                    // commands per sender; a dragging mouse sends 60
 };
+
+/// The keys of `[rights]` that say who may do something.
+inline constexpr std::array<std::pair<const char*, Right Rights::*>, 7> kRights{{
+    {"add", &Rights::add},
+    {"remove", &Rights::remove},
+    {"reset", &Rights::reset},
+    {"push", &Rights::push},
+    {"grab", &Rights::grab},
+    {"edit", &Rights::edit},
+    {"save", &Rights::save},
+}};
 
 /// Reads `[rights]`. Each key is "everyone", "nobody" or a list of names.
 void read_rights(config::TableReader& reader, Rights& rights);

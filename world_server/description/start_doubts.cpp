@@ -50,14 +50,14 @@ double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& ob
 }
 
 // A cheap test: most objects are far apart, and the exact one builds collision shapes.
-bool may_overlap(const geometry::Aabb& box, const WorldObject& fixed) {
-    if (is_plane(fixed)) {
-        const geometry::RigidTransform& world_from_plane = fixed.rigid.world_from_object;
+bool may_overlap(const geometry::Aabb& box, const WorldObject& object) {
+    if (is_plane(object)) {
+        const geometry::RigidTransform& world_from_plane = object.rigid.world_from_object;
         const Eigen::Vector3d normal = world_from_plane.rotation * Eigen::Vector3d::UnitZ();
         const double reach_m = 0.5 * normal.cwiseAbs().dot(box.size());
         return normal.dot(box.centre() - world_from_plane.translation) < reach_m;
     }
-    const geometry::Aabb other = start_box_of(fixed.rigid);
+    const geometry::Aabb other = start_box_of(object.rigid);
     return (box.min.array() <= other.max.array()).all() &&
            (other.min.array() <= box.max.array()).all();
 }
@@ -69,23 +69,28 @@ bool pass_through(const WorldDescription& world, std::uint32_t a, std::uint32_t 
     });
 }
 
+// Each object is compared with the fixed ones and with the moving ones before it.
 void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines) {
     for (const WorldObject& object : world.objects) {
         if (object.rigid.mass_kg == 0.0) continue;
         const physics::RigidObject moving = to_rigid(object);
         const geometry::Aabb box = start_box_of(moving);
-        for (const WorldObject& fixed : world.objects) {
-            if (fixed.rigid.mass_kg != 0.0 || !may_overlap(box, fixed) ||
-                pass_through(world, object.rigid.id, fixed.rigid.id))
+        bool is_before = true;
+        for (const WorldObject& other : world.objects) {
+            if (&other == &object) is_before = false;
+            const bool is_fixed = other.rigid.mass_kg == 0.0;
+            if ((!is_fixed && !is_before) || !may_overlap(box, other) ||
+                pass_through(world, object.rigid.id, other.rigid.id))
                 continue;
-            const double depth_m = physics::overlap_m(moving, to_rigid(fixed));
+            const double depth_m = physics::overlap_m(moving, to_rigid(other));
             if (depth_m <= kDeepRigid_m) continue;
             lines.push_back(
                 fmt::format("object_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which "
-                            "is fixed: move it with position_m, the place of {}\"",
+                            "{}: move it with position_m, the place of {}\"",
                             object.name,
                             depth_m,
-                            fixed.name,
+                            other.name,
+                            is_fixed ? "is fixed" : "throws both apart",
                             object.look.model.empty() ? "its middle" : "its file's origin"));
             break;
         }

@@ -226,18 +226,13 @@ void write(const NamedPlacement& site, std::string& text) {
 
 void write(const Rights& rights, std::string& text) {
     Table table(text, "[rights]");
-    const auto line = [&](const char* key, const Right& right) {
+    for (const auto& [key, member] : kRights) {
+        const Right& right = rights.*member;
         if (right.everyone || right.names.empty())
-            return table.name(key, right.everyone ? "everyone" : "nobody");
-        table.raw(key, fmt::format("[\"{}\"]", fmt::join(right.names, "\", \"")));
-    };
-    line("add", rights.add);
-    line("remove", rights.remove);
-    line("reset", rights.reset);
-    line("push", rights.push);
-    line("grab", rights.grab);
-    line("edit", rights.edit);
-    line("save", rights.save);
+            table.name(key, right.everyone ? "everyone" : "nobody");
+        else
+            table.raw(key, fmt::format("[\"{}\"]", fmt::join(right.names, "\", \"")));
+    }
     table.number("max_per_s", rights.max_per_s);
 }
 

@@ -75,21 +75,21 @@ btTransform world_from_body(const RigidObject& object, const CollisionShape& sha
 
 }  // namespace
 
-double overlap_m(const RigidObject& moving, const RigidObject& fixed) {
+double overlap_m(const RigidObject& moving, const RigidObject& other) {
     CollisionShape shape(moving);
-    CollisionShape fixed_shape(fixed);
-    const btTransform world_from_fixed = world_from_body(fixed, fixed_shape);
+    CollisionShape other_shape(other);
+    const btTransform world_from_other = world_from_body(other, other_shape);
     double deepest_m = 0.0;
     for_each_convex(
         shape.shape(), world_from_body(moving, shape), [&](const auto& part, const auto& pose) {
-            if (fixed.shape == ObjectShape::kPlane) {
-                const auto& plane = static_cast<const btStaticPlaneShape&>(fixed_shape.shape());
+            if (other.shape == ObjectShape::kPlane) {
+                const auto& plane = static_cast<const btStaticPlaneShape&>(other_shape.shape());
                 deepest_m =
-                    std::max(deepest_m, depth_in_plane(part, pose, plane, world_from_fixed));
+                    std::max(deepest_m, depth_in_plane(part, pose, plane, world_from_other));
                 return;
             }
             for_each_convex(
-                fixed_shape.shape(), world_from_fixed, [&](const auto& wall, const auto& at) {
+                other_shape.shape(), world_from_other, [&](const auto& wall, const auto& at) {
                     deepest_m = std::max(deepest_m, depth_in_convex(part, pose, wall, at));
                 });
         });

@@ -5,9 +5,9 @@
 
 namespace atrium::physics {
 
-/// Returns the shortest way out of `fixed` for `moving`, both at their start [m]; 0 if they do not
+/// Returns the shortest way out of `other` for `moving`, both at their start [m]; 0 if they do not
 /// overlap. `moving` is no plane. `find_problem` must be empty for both.
-double overlap_m(const RigidObject& moving, const RigidObject& fixed);
+double overlap_m(const RigidObject& moving, const RigidObject& other);
 
 /// Like above, for the deepest node of a soft object. Nodes that a pin holds do not count.
 double overlap_m(const SoftObject& soft, const RigidObject& fixed);

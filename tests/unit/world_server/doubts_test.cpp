@@ -281,6 +281,25 @@ TEST_F(WorldDoubts, NameAnObjectThatStartsInsideAFixedOne) {
                 ElementsAre(HasSubstr("object_looks_wrong name=b")));
 }
 
+TEST_F(WorldDoubts, NameMovingObjectsThatStartInsideEachOther) {
+    const std::string a = box("a", 1, "position_m = [0, 0, 1]");
+    EXPECT_THAT(doubts(a + box("b", 1, "position_m = [0.16, 0, 1]")), IsEmpty());
+    const std::string b = box("b", 1, "position_m = [0.1, 0, 1]");
+    EXPECT_THAT(doubts(a + b),
+                ElementsAre(HasSubstr("object_looks_wrong name=b reason=\"starts 0.10 m inside a, "
+                                      "which throws both apart")));
+    const std::string joint =
+        "[[joint]]\nkind = \"ball\"\na = \"a\"\nb = \"b\"\nanchor_m = [0.05, 0, 1]\n";
+    EXPECT_THAT(doubts(a + b + joint), IsEmpty()) << "joined objects do not touch each other";
+}
+
+TEST_F(WorldDoubts, NameASiteThatIsGivenARight) {
+    const std::string site = "[[site]]\nname = \"alice\"\n";
+    EXPECT_THAT(doubts(site + "[rights]\ngrab = [\"host\", \"alice\"]\n"),
+                ElementsAre(HasSubstr("rights_looks_wrong right=grab name=alice")));
+    EXPECT_THAT(doubts(site + "[rights]\ngrab = [\"host\"]\n"), IsEmpty());
+}
+
 TEST_F(WorldDoubts, NameSomethingLightThatCarriesSomethingHeavy) {
     const auto tower = [](double middle_kg, double top_kg, double top_m = 1.0) {
         return kFloor + box("a", 45, "position_m = [0, 0, 0.2]") +

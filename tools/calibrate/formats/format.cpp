@@ -124,11 +124,16 @@ bool matches_name(const std::string& pattern, const std::string& name) {
            fnmatch(pattern.c_str(), rig_name(name).c_str(), 0) == 0;
 }
 
+bool is_exclusion(const std::string& pattern) { return pattern.starts_with('!'); }
+
 Expected<void> select_cameras(ForeignRig& rig, const std::vector<std::string>& patterns) {
     if (patterns.empty()) return {};
+    const auto matches = [](const std::string& pattern, const std::string& name) {
+        return matches_name(is_exclusion(pattern) ? pattern.substr(1) : pattern, name);
+    };
     for (const std::string& pattern : patterns) {
         if (std::ranges::any_of(rig.cameras, [&](const ForeignCamera& camera) {
-                return matches_name(pattern, camera.name);
+                return matches(pattern, camera.name);
             }))
             continue;
         constexpr std::size_t kNamed = 12;
@@ -143,8 +148,12 @@ Expected<void> select_cameras(ForeignRig& rig, const std::vector<std::string>& p
                                       rig.cameras.size() > kNamed ? ", ..." : ""));
     }
     keep_cameras(rig, [&](const std::string& name) {
-        return std::ranges::any_of(
-            patterns, [&](const std::string& pattern) { return matches_name(pattern, name); });
+        bool is_wanted = std::ranges::all_of(patterns, is_exclusion);
+        bool is_excluded = false;
+        for (const std::string& pattern : patterns) {
+            if (matches(pattern, name)) (is_exclusion(pattern) ? is_excluded : is_wanted) = true;
+        }
+        return is_wanted && !is_excluded;
     });
     return {};
 }

@@ -31,8 +31,9 @@ inline constexpr std::size_t kMaxCamerasRead = 1024;
 
 /// Reads all files as one rig, of the format with this name; "auto" finds it from the content.
 /// Several files may each hold some cameras, or some values of each camera. Keeps the cameras whose
-/// names match one of `wanted`, patterns of a shell such as "00_*"; empty: all, 2 at least. Error
-/// kConfiguration for a pattern that no name matches.
+/// names match one of `wanted`, patterns of a shell such as "00_*", and none of those that begin
+/// with '!'; if there are no others, all. Error kConfiguration for a pattern that no name matches,
+/// and if fewer than 2 remain.
 Expected<ForeignRig> read_foreign(const Files& files,
                                   const std::string& format,
                                   const std::vector<std::string>& wanted = {});
