@@ -284,9 +284,11 @@ protected:
 TEST_F(ViewerStart, JoinsTheChosenWorldAndComesBackForAnother) {
     const VirtualDisplay::Size size{kSize.width, kSize.height};
     EXPECT_EQ(display_->size_of(kTitle), size);
+    EXPECT_TRUE(display_->size_of("viewer-program-test - Atrium"));
     display_->press(kTitle, "BackSpace");
     EXPECT_TRUE(comes_true([&] { return !shows_the_box(); })) << log();
     EXPECT_EQ(display_->size_of(kTitle), size) << "the window stays";
+    EXPECT_FALSE(display_->size_of("viewer-program-test - Atrium"));
     // the world is gone, but remembered
     member_.reset();
     EXPECT_TRUE(comes_true([&] {

@@ -16,6 +16,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 namespace atrium::test_support {
 namespace {
@@ -45,6 +46,11 @@ struct Place {
     int height = 0;
 };
 
+// A program may put what it shows before its name: "playroom - Atrium".
+bool is_titled(std::string_view name, const std::string& title) {
+    return name == title || name.ends_with(" - " + title);
+}
+
 // Without a window manager, windows are children of the root.
 std::optional<Place> find(Display* display, const std::string& title) {
     Window root = 0;
@@ -58,7 +64,8 @@ std::optional<Place> find(Display* display, const std::string& title) {
         char* name = nullptr;
         if (XFetchName(display, children[i], &name) == 0) continue;
         XWindowAttributes attributes;
-        if (title == name && XGetWindowAttributes(display, children[i], &attributes) != 0 &&
+        if (is_titled(name, title) &&
+            XGetWindowAttributes(display, children[i], &attributes) != 0 &&
             attributes.map_state == IsViewable) {
             place = {children[i], attributes.x, attributes.y, attributes.width, attributes.height};
         }

@@ -11,7 +11,8 @@ namespace atrium::test_support {
 
 /// An X server without a screen (Xvfb) and without a window manager. Tests can look at windows on
 /// it, resize them, and type into them. DISPLAY names it during its lifetime. Call it from one
-/// thread. Windows are named by their titles; calls for an unknown window do nothing.
+/// thread. Windows are named by their titles, or what follows " - " in them; calls for an unknown
+/// window do nothing.
 class VirtualDisplay {
 public:
     /// Starts a screen of this size [px]. Error kNotFound if Xvfb is not installed, kUnavailable if

@@ -26,6 +26,7 @@ public:
     SurfaceEvents poll() override { return {}; }
     void show(const renderer::SceneRenderer&, const HudContent&) override { glFinish(); }
     void show_layout(const std::function<void()>&) override {}
+    void set_title(const std::string&) override {}
     double content_scale() const override { return 1.0; }
     std::chrono::steady_clock::duration waited_for_display() const override { return {}; }
 

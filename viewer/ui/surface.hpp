@@ -80,6 +80,9 @@ struct HudContent {
     std::array<float, History::kLength - 1> pictures_per_s{};
 };
 
+/// Title of a window that shows no world.
+inline constexpr const char* kWindowTitle = "Atrium";
+
 /// Target of the picture. Owns the GL context, which is current on the thread that created it.
 class Surface {
 public:
@@ -94,6 +97,8 @@ public:
     virtual void show(const renderer::SceneRenderer& renderer, const HudContent& content) = 0;
     /// Shows only what `layout` lays out with ImGui. Does nothing without a window.
     virtual void show_layout(const std::function<void()>& layout) = 0;
+    /// UTF-8. Does nothing without a window.
+    virtual void set_title(const std::string& title) = 0;
     /// Content scale of the display: 2 where its settings ask for letters of twice the size.
     virtual double content_scale() const = 0;
     /// Time that the last `show` waited for the display after drawing had finished.

@@ -138,11 +138,11 @@ public:
         swap();
     }
     double content_scale() const override {
-        float x = 1.0f;
-        float y = 1.0f;
-        glfwGetWindowContentScale(window_, &x, &y);
-        return static_cast<double>(std::max(x, y));
+        std::array<float, 2> scale{1.0f, 1.0f};
+        glfwGetWindowContentScale(window_, &scale[0], &scale[1]);
+        return static_cast<double>(std::max(scale[0], scale[1]));
     }
+    void set_title(const std::string& to) override { glfwSetWindowTitle(window_, to.c_str()); }
     std::chrono::steady_clock::duration waited_for_display() const override { return waited_; }
 
 private:
@@ -381,7 +381,7 @@ Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options) {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_STEREO, options.has_two_buffers ? GLFW_TRUE : GLFW_FALSE);
     GLFWwindow* window =
-        glfwCreateWindow(options.width, options.height, "Atrium", nullptr, nullptr);
+        glfwCreateWindow(options.width, options.height, kWindowTitle, nullptr, nullptr);
     if (window == nullptr) {
         const std::string reason = last_glfw_error();
         glfwTerminate();

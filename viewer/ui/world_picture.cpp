@@ -45,6 +45,7 @@ Expected<void> WorldPicture::open(const ViewerConfig& config,
             config.display.tile,
             aspect);
     }
+    surface->set_title(config.bus.world + " - " + kWindowTitle);
     app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
     return {};
 }
@@ -53,6 +54,7 @@ std::unique_ptr<Surface> WorldPicture::close() {
     renderer.reset();
     people.clear();
     scene.clear();
+    if (surface) surface->set_title(kWindowTitle);
     return std::move(surface);
 }
 
