@@ -205,7 +205,8 @@ struct PictureFile::Impl {
     Expected<void> read_video(std::size_t index) {
         if (num_pictures > 0 && num_pictures < num_in_header && index >= num_pictures)
             return tl::unexpected(no_frame(index));
-        if (index < next_in_video && (!video.open(path.string()) || !video.isOpened())) {
+        if (index < next_in_video &&
+            (!video.open(path.string(), cv::CAP_FFMPEG) || !video.isOpened())) {
             return make_error(ErrorKind::kInvalidData,
                               fmt::format("{}: cannot reopen", path.string()));
         }
@@ -221,7 +222,7 @@ struct PictureFile::Impl {
                     fmt::format("{}: cannot decode its first picture: {}",
                                 path.string(),
                                 is_truncated_video(path)
-                                    ? "the file is truncated; copy or export it again"
+                                    ? kTruncatedText
                                     : "the file is damaged or empty, or of a codec that OpenCV "
                                       "cannot read here; convert it"));
             }
@@ -273,13 +274,13 @@ Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::strin
         impl.path = folder / (stem + suffix);
         if (!fs::exists(impl.path, failure)) continue;
         impl.is_video = true;
-        if (!impl.video.open(impl.path.string())) {
-            return make_error(ErrorKind::kInvalidData,
-                              fmt::format("{}: cannot open as a video{}",
-                                          impl.path.string(),
-                                          is_truncated_video(impl.path)
-                                              ? ": the file is truncated; copy or export it again"
-                                              : ""));
+        if (!impl.video.open(impl.path.string(), cv::CAP_FFMPEG)) {
+            return make_error(
+                ErrorKind::kInvalidData,
+                fmt::format("{}: cannot open as a video: {}",
+                            impl.path.string(),
+                            is_truncated_video(impl.path) ? kTruncatedText
+                                                          : "the file is damaged or empty"));
         }
         impl.num_in_header =
             static_cast<std::size_t>(std::max(0.0, impl.video.get(cv::CAP_PROP_FRAME_COUNT)));

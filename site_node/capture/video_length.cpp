@@ -120,9 +120,7 @@ std::size_t num_whole_pictures(const std::filesystem::path& file, std::size_t in
 
 std::string text_of_truncated_video(std::size_t num_whole, std::size_t in_header) {
     return fmt::format(
-        "the video ends after picture {} of {}: the file is truncated; copy or export it again",
-        num_whole,
-        in_header);
+        "the video ends after picture {} of {}: {}", num_whole, in_header, kTruncatedText);
 }
 
 }  // namespace atrium::capture

@@ -6,6 +6,8 @@
 
 namespace atrium::capture {
 
+inline constexpr const char* kTruncatedText = "the file is truncated; copy or export it again";
+
 /// True if an AVI, MP4, MOV or MKV file ends before its container does, as after an interrupted
 /// copy. Reads only a few bytes. False for other files, and for those that cannot be read. The
 /// bytes may be hostile.

@@ -14,8 +14,7 @@ namespace {
 
 Error not_decoded(const std::filesystem::path& file) {
     if (capture::is_truncated_video(file)) {
-        return {ErrorKind::kInvalidData,
-                file.string() + ": the file is truncated; copy or export it again"};
+        return {ErrorKind::kInvalidData, file.string() + ": " + capture::kTruncatedText};
     }
     return {
         ErrorKind::kInvalidData,
@@ -71,7 +70,7 @@ Expected<Look> look_at(const Shots& shots) try {
         look.num_frames = shots.num_pictures();
         return look;
     }
-    cv::VideoCapture video(shots.path.string());
+    cv::VideoCapture video(shots.path.string(), cv::CAP_FFMPEG);
     cv::Mat picture;
     if (!video.isOpened() || !video.read(picture) || picture.empty())
         return tl::unexpected(not_decoded(shots.path));
