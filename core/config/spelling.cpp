@@ -1,7 +1,6 @@
 #include "core/config/spelling.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cstddef>
 #include <numeric>
@@ -40,34 +39,21 @@ std::string with_underscores(std::string_view name) {
     return text;
 }
 
+bool is_unit(std::string_view word) {
+    constexpr std::string_view kAll =
+        " m cm mm in ft kg g s ms us min hz fps deg rad px mps percent ";
+    return !word.empty() && kAll.find(" " + std::string(word) + " ") != std::string_view::npos;
+}
+
 // "limits_rad" for "limits_deg"
 bool is_in_another_unit(std::string_view written, std::string_view meant) {
-    static constexpr std::array<std::string_view, 18> kUnits{"m",
-                                                             "cm",
-                                                             "mm",
-                                                             "in",
-                                                             "ft",
-                                                             "kg",
-                                                             "g",
-                                                             "s",
-                                                             "ms",
-                                                             "us",
-                                                             "min",
-                                                             "hz",
-                                                             "fps",
-                                                             "deg",
-                                                             "rad",
-                                                             "px",
-                                                             "mps",
-                                                             "percent"};
     const auto split = [](std::string_view word) {
         const std::size_t end = std::min(word.rfind('_'), word.size());
         return std::pair(word.substr(0, end), word.substr(std::min(end + 1, word.size())));
     };
     const auto [stem, unit] = split(written);
     const auto [meant_stem, meant_unit] = split(meant);
-    return !stem.empty() && stem == meant_stem && std::ranges::find(kUnits, unit) != kUnits.end() &&
-           std::ranges::find(kUnits, meant_unit) != kUnits.end();
+    return !stem.empty() && stem == meant_stem && is_unit(unit) && is_unit(meant_unit);
 }
 
 // Distance of two words, or nothing if the one is no misspelling of the other.

@@ -283,18 +283,18 @@ TEST_F(WorldDoubts, NameAnObjectThatStartsInsideAFixedOne) {
 
 TEST_F(WorldDoubts, NameMovingObjectsThatStartInsideEachOther) {
     const std::string a = box("a", 1, "position_m = [0, 0, 1]");
-    EXPECT_THAT(doubts(a + box("b", 1, "position_m = [0.16, 0, 1]")), IsEmpty());
-    const std::string b = box("b", 1, "position_m = [0.1, 0, 1]");
+    EXPECT_THAT(doubts(a + box("b", 1, "position_m = [0.36, 0, 1]")), IsEmpty());
+    const std::string b = box("b", 1, "position_m = [0.3, 0, 1]");
     EXPECT_THAT(doubts(a + b),
                 ElementsAre(HasSubstr("object_looks_wrong name=b reason=\"starts 0.10 m inside a, "
                                       "which throws both apart")));
     const std::string joint =
-        "[[joint]]\nkind = \"ball\"\na = \"a\"\nb = \"b\"\nanchor_m = [0.05, 0, 1]\n";
+        "[[joint]]\nkind = \"ball\"\na = \"a\"\nb = \"b\"\nanchor_m = [0.15, 0, 1]\n";
     EXPECT_THAT(doubts(a + b + joint), IsEmpty()) << "joined objects do not touch each other";
 }
 
 TEST_F(WorldDoubts, NameASiteThatIsGivenARight) {
-    const std::string site = "[[site]]\nname = \"alice\"\n";
+    const std::string site = "[[site]]\nname = \"alice\"\nposition_m = [0, 0, 0]\n";
     EXPECT_THAT(doubts(site + "[rights]\ngrab = [\"host\", \"alice\"]\n"),
                 ElementsAre(HasSubstr("rights_looks_wrong right=grab name=alice")));
     EXPECT_THAT(doubts(site + "[rights]\ngrab = [\"host\"]\n"), IsEmpty());
