@@ -1,8 +1,7 @@
 #include "tools/calibrate/recording/gather.hpp"
 
-#include "tools/calibrate/recording/instants.hpp"
+#include "tools/calibrate/recording/gatherer.hpp"
 #include "tools/calibrate/recording/mask_checks.hpp"
-#include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
 
@@ -15,10 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Fewest pictures with people in them from which a site learns the empty room: as
-// site_node/occupied_room/learn_occupied_room.hpp.
-constexpr std::size_t kFewestToLearnFrom = 8;
-
 bool is_below(const fs::path& path, const fs::path& folder) {
     std::error_code failure;
     if (folder.empty()) return false;
@@ -28,56 +23,20 @@ bool is_below(const fs::path& path, const fs::path& folder) {
     return !relative.empty() && !relative.starts_with("..");
 }
 
-// Finds and matches the pictures of one rig step by step; each step leaves its sentences.
-class Gatherer {
-public:
-    Gatherer(const std::vector<std::string>& cameras, const PictureFolders& folders)
-        : cameras_(cameras), folders_(folders) {}
+}  // namespace
 
-    Expected<Material> run() {
-        const auto found = find_shots(folders_.frames);
-        if (!found) return tl::unexpected(found.error());
-        sort_out(*found);
-        if (auto done = gather_frames(); !done) return tl::unexpected(done.error());
-        take_numbering();
-        if (auto done = look_at_all(); !done) return tl::unexpected(done.error());
-        if (auto done = compare_numbers(); !done) return tl::unexpected(done.error());
-        if (auto done = gather_masks(); !done) return tl::unexpected(done.error());
-        if (auto done = gather_backgrounds(); !done) return tl::unexpected(done.error());
-        return std::move(material_);
-    }
-
-private:
-    void sort_out(const std::vector<Shots>& found);
-    Expected<void> gather_frames();
-    void take_numbering();
-    Expected<void> look_at_all();
-    Expected<void> compare_numbers();
-    void report_truncated(const std::string& camera, const std::string& doubt);
-    Expected<void> gather_masks();
-    Expected<void> align_masks();
-    Expected<void> gather_backgrounds();
-    void report_backgrounds(const std::vector<std::string>& without);
-
-    // the names that the user knows
-    std::string known(std::vector<std::string> cameras) const {
-        for (std::string& camera : cameras) camera = known_name(camera, folders_.originals);
-        return listed(cameras);
-    }
-    void tell(std::string text) { material_.told.push_back(std::move(text)); }
-    void check(std::string text) { material_.checks.push_back(std::move(text)); }
-    void problem(std::string text) { material_.problems.push_back(std::move(text)); }
-
-    const std::vector<std::string>& cameras_;
-    const PictureFolders& folders_;
-    std::vector<std::string> with_frames_;
-    std::vector<Shots> frames_;
-    std::vector<Shots> rooms_;
-    std::vector<Shots> masks_;
-    Numbering numbering_;                                           // of the pictures' files
-    std::size_t fewest_ = std::numeric_limits<std::size_t>::max();  // pictures of a camera
-    Material material_;
-};
+Expected<Material> Gatherer::run() {
+    const auto found = find_shots(folders_.frames);
+    if (!found) return tl::unexpected(found.error());
+    sort_out(*found);
+    if (auto done = gather_frames(); !done) return tl::unexpected(done.error());
+    take_numbering();
+    if (auto done = look_at_all(); !done) return tl::unexpected(done.error());
+    if (auto done = compare_numbers(); !done) return tl::unexpected(done.error());
+    if (auto done = gather_masks(); !done) return tl::unexpected(done.error());
+    if (auto done = gather_backgrounds(); !done) return tl::unexpected(done.error());
+    return std::move(material_);
+}
 
 // Pictures in folders that the user names for another purpose are no frames.
 void Gatherer::sort_out(const std::vector<Shots>& found) {
@@ -224,164 +183,6 @@ Expected<void> Gatherer::compare_numbers() {
     if (!instants->doubt.empty()) check(std::move(instants->doubt));
     return {};
 }
-
-Expected<void> Gatherer::gather_masks() {
-    const bool is_named = !folders_.masks.empty();
-    if (is_named) {
-        auto named = find_shots(folders_.masks);
-        if (!named) return tl::unexpected(named.error());
-        masks_ = std::move(*named);
-        if (std::ranges::any_of(masks_, &Shots::is_mask))
-            std::erase_if(masks_, [](const Shots& shots) { return !shots.is_mask; });
-    }
-    if (masks_.empty() && folders_.invert_masks) {
-        return make_error(ErrorKind::kConfiguration,
-                          "--invert-masks: no masks were found; give their folder with --masks");
-    }
-    if (masks_.empty() && !is_named) return {};
-    auto matches = match_shots(with_frames_, masks_, folders_.originals);
-    if (!matches) return make_error(matches.error().kind, "masks: " + matches.error().message);
-    const std::string where = (is_named ? folders_.masks : folders_.frames).string();
-    const auto video = std::ranges::find_if(
-        matches->by_camera, [](const auto& entry) { return entry.second.is_video; });
-    if (video != matches->by_camera.end()) {
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("masks of camera '{0}': {1} is a video, but masks must be "
-                                      "pictures: ffmpeg -i {1} masks/{0}/%06d.png",
-                                      video->first,
-                                      video->second.path.string()));
-    }
-    if (!matches->missing.empty()) {
-        const std::string text = fmt::format(
-            "masks: {} has none of {}; a site takes masks of all cameras or of none: give the "
-            "folders of the masks the names of the cameras",
-            where,
-            known(matches->missing));
-        if (is_named) return make_error(ErrorKind::kConfiguration, text);
-        problem(text);
-        return {};
-    }
-    material_.masks = std::move(matches->by_camera);
-    count_by_one(material_.masks, numbering_);
-    for (const auto& [camera, shots] : material_.masks)
-        report_truncated(camera + "', masks", doubt_of_truncation(shots));
-    if (auto fitting = check_mask_sizes(material_); !fitting) return fitting;
-    if (auto right = check_mask_values(material_, folders_.invert_masks); !right) return right;
-    return align_masks();
-}
-
-// Masks usually have the numbers of their pictures; else the first mask is that of the first one.
-Expected<void> Gatherer::align_masks() {
-    std::size_t lowest = std::numeric_limits<std::size_t>::max();
-    for (const auto& [camera, shots] : material_.masks)
-        lowest = std::min(lowest, shots.pictures.begin()->first);
-    const auto is_frame = [&](const std::string& camera, std::size_t index) {
-        const Shots& frames = material_.frames.at(camera);
-        return frames.is_video ? index < material_.looks.at(camera).num_frames
-                               : frames.pictures.contains(index + material_.first_frame);
-    };
-    // how many pictures have a mask if `first` is the number of the first mask
-    const auto num_paired = [&](const std::string& camera, std::size_t first) {
-        return static_cast<std::size_t>(
-            std::ranges::count_if(material_.masks.at(camera).pictures, [&](const auto& mask) {
-                return mask.first >= first && is_frame(camera, mask.first - first);
-            }));
-    };
-    std::size_t same = 0;
-    std::size_t moved = 0;
-    for (const auto& [camera, shots] : material_.masks) {
-        same += num_paired(camera, material_.first_frame);
-        moved += num_paired(camera, lowest);
-    }
-    material_.first_mask = moved > same ? lowest : material_.first_frame;
-    if (moved > same) {
-        check(
-            fmt::format("masks: they are numbered from {}, the pictures from {}; both are taken "
-                        "as the same instant",
-                        lowest,
-                        material_.first_frame));
-    }
-    const auto& some = material_.masks.begin()->second.pictures;
-    const auto complete = std::ranges::find_if(some, [&](const auto& mask) {
-        return mask.first >= material_.first_mask &&
-               std::ranges::all_of(material_.masks, [&](const auto& entry) {
-                   return entry.second.pictures.contains(mask.first) &&
-                          is_frame(entry.first, mask.first - material_.first_mask);
-               });
-    });
-    if (complete == some.end()) {
-        return make_error(ErrorKind::kConfiguration,
-                          "masks: at no instant do all cameras have a picture and a mask of the "
-                          "same number; give the masks the numbers of their pictures");
-    }
-    material_.first_complete = complete->first - material_.first_mask;
-    std::string without;
-    std::size_t num_without = 0;
-    for (const auto& [camera, shots] : material_.masks) {
-        const std::size_t num_frames = material_.looks.at(camera).num_frames;
-        const std::size_t num = num_paired(camera, material_.first_mask);
-        if (num >= num_frames) continue;
-        num_without += num_frames - num;
-        without += fmt::format("{}{} of {} of camera '{}'",
-                               without.empty() ? "" : ", ",
-                               num_frames - num,
-                               num_frames,
-                               camera);
-    }
-    tell("masks: found for every camera; the site uses them and needs no empty room");
-    if (num_without > 0) {
-        problem(
-            fmt::format("masks: pictures without a mask: {}; the site leaves these instants "
-                        "out: make all masks, or remove these pictures",
-                        without));
-    }
-    return {};
-}
-
-Expected<void> Gatherer::gather_backgrounds() {
-    if (!folders_.background.empty()) {
-        auto named = find_shots(folders_.background);
-        if (!named) return tl::unexpected(named.error());
-        rooms_ = std::move(*named);
-        if (std::ranges::any_of(rooms_, &Shots::is_background))
-            std::erase_if(rooms_, [](const Shots& shots) { return !shots.is_background; });
-    }
-    auto matches = match_shots(with_frames_, rooms_, folders_.originals);
-    if (!matches) return make_error(matches.error().kind, "background: " + matches.error().message);
-    material_.backgrounds = std::move(matches->by_camera);
-    if (!material_.masks.empty()) return {};
-    if (auto fitting = check_background_sizes(material_); !fitting) return fitting;
-    if (matches->missing.empty()) {
-        tell("background: the empty room was found for every camera");
-    } else {
-        report_backgrounds(matches->missing);
-    }
-    return {};
-}
-
-void Gatherer::report_backgrounds(const std::vector<std::string>& without) {
-    const std::string cure =
-        "film the empty room with the same cameras and give its folder with --background, or give "
-        "masks of the people with --masks";
-    // a video's number of pictures may be unknown
-    if (fewest_ > 0 && fewest_ < kFewestToLearnFrom) {
-        problem(
-            fmt::format("background: no empty room of {}, and {} per camera is too few to "
-                        "learn it from ({}): site_node will end with an error; {}",
-                        known(without),
-                        counted(fewest_, "picture"),
-                        kFewestToLearnFrom,
-                        cure));
-        return;
-    }
-    check(
-        fmt::format("background: no empty room of {}: the site learns it from the pictures with "
-                    "people, which works where people move; for better outlines {}",
-                    known(without),
-                    cure));
-}
-
-}  // namespace
 
 Expected<Material> gather(const std::vector<std::string>& cameras, const PictureFolders& folders) {
     return Gatherer(cameras, folders).run();

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "tools/calibrate/recording/gather.hpp"
+#include "tools/calibrate/recording/instants.hpp"
+#include "tools/calibrate/recording/words.hpp"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+/// The steps of `gather`, in several files.
+namespace atrium::calibrate {
+
+/// Finds and matches the pictures of one rig step by step; each step leaves its sentences.
+class Gatherer {
+public:
+    Gatherer(const std::vector<std::string>& cameras, const PictureFolders& folders)
+        : cameras_(cameras), folders_(folders) {}
+
+    Expected<Material> run();
+
+private:
+    void sort_out(const std::vector<Shots>& found);
+    Expected<void> gather_frames();
+    void take_numbering();
+    Expected<void> look_at_all();
+    Expected<void> compare_numbers();
+    void report_truncated(const std::string& camera, const std::string& doubt);
+    Expected<void> gather_masks();
+    Expected<void> align_masks();
+    Expected<void> gather_backgrounds();
+    void report_backgrounds(const std::vector<std::string>& without);
+
+    // the names that the user knows
+    std::string known(std::vector<std::string> cameras) const {
+        for (std::string& camera : cameras) camera = known_name(camera, folders_.originals);
+        return listed(cameras);
+    }
+    void tell(std::string text) { material_.told.push_back(std::move(text)); }
+    void check(std::string text) { material_.checks.push_back(std::move(text)); }
+    void problem(std::string text) { material_.problems.push_back(std::move(text)); }
+
+    const std::vector<std::string>& cameras_;
+    const PictureFolders& folders_;
+    std::vector<std::string> with_frames_;
+    std::vector<Shots> frames_;
+    std::vector<Shots> rooms_;
+    std::vector<Shots> masks_;
+    Numbering numbering_;                                           // of the pictures' files
+    std::size_t fewest_ = std::numeric_limits<std::size_t>::max();  // pictures of a camera
+    Material material_;
+};
+
+}  // namespace atrium::calibrate
