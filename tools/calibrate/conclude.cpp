@@ -34,6 +34,7 @@ public:
 
     Expected<Conclusion> run() {
         result_.told = foreign_.notes;
+        result_.checks = foreign_.checks;
         result_.problems = foreign_.problems;
         read_poses();
         if (auto scaled = find_scale(); !scaled) return tl::unexpected(scaled.error());

@@ -28,10 +28,24 @@ Originals originals_of(const ForeignRig& rig) {
     return result;
 }
 
+std::vector<std::string> walked(const ForeignRig& rig) {
+    std::vector<std::string> names;
+    for (const Walked& camera : rig.walked) names.push_back(camera.name);
+    return names;
+}
+
+// Those of `left_out` have no pictures, so that nobody misses them.
+void report_walked(ForeignRig& rig, const std::vector<std::string>& left_out) {
+    for (const Walked& camera : rig.walked) {
+        if (std::ranges::find(left_out, camera.name) == left_out.end())
+            rig.problems.push_back(camera.problem);
+    }
+}
+
 std::vector<std::string> moved(const ForeignRig& rig) {
     std::vector<std::string> names;
     for (const ForeignCamera& camera : rig.cameras)
-        if (camera.has_moved) names.push_back(camera.name);
+        if (camera.spread > kStillSpread) names.push_back(camera.name);
     return names;
 }
 
@@ -145,8 +159,10 @@ Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
                             options.masks,
                             options.invert_masks,
                             moved(rig),
+                            walked(rig),
                             originals_of(rig)});
     if (!material) return material;
+    report_walked(rig, material->left_out);
     keep_cameras(rig, [&](const std::string& name) { return material->frames.contains(name); });
     if (auto counted = check_number(rig, options); !counted) return tl::unexpected(counted.error());
     if (auto compared = compare_sizes(rig, *material, options.said); !compared)
@@ -242,6 +258,7 @@ Expected<ImportReport> import(const ImportOptions& options) {
     if (!options.recording.empty()) return import_recording(*foreign, options);
     if (auto counted = check_number(*foreign, options); !counted)
         return tl::unexpected(counted.error());
+    report_walked(*foreign, {});
     const auto conclusion = conclude(*foreign, options.said);
     if (!conclusion) return tl::unexpected(conclusion.error());
     const std::string text = rig_text(conclusion->rig, comments(*foreign, options, *conclusion));

@@ -48,6 +48,34 @@ TEST(Instants, NeedOneNumberInCommon) {
     const auto found = compare_instants({{"a", shots_of({1, 2})}, {"b", shots_of({3})}});
     ASSERT_FALSE(found);
     EXPECT_THAT(found.error().message, HasSubstr("1 to 2 of 'a', 3 of 'b'"));
+    EXPECT_THAT(found.error().message, HasSubstr("or leave cameras out: --cameras '!NAME'"));
+}
+
+TEST(OtherInstants, AreThoseOfCamerasWithoutANumberOfMost) {
+    const auto found = find_other_instants({{"a", shots_of({1, 2, 3})},
+                                            {"b", shots_of({2, 3, 4})},
+                                            {"c", shots_of({3})},
+                                            {"phone", shots_of({4711, 4712})},
+                                            {"video", Shots{"v.mp4", true, {}, "v"}}});
+    EXPECT_THAT(found.cameras, testing::ElementsAre("phone"));
+    EXPECT_EQ(numbers_text(found.first, found.last), "1 to 4");
+}
+
+TEST(OtherInstants, NeedAMajorityAndShareNothing) {
+    const auto others = [](const std::map<std::string, Shots>& frames) {
+        return find_other_instants(frames).cameras;
+    };
+    // two against two, one against one, and one with a gap
+    EXPECT_THAT(others({{"a", shots_of({1})},
+                        {"b", shots_of({1})},
+                        {"c", shots_of({5})},
+                        {"d", shots_of({5})}}),
+                testing::IsEmpty());
+    EXPECT_THAT(others({{"a", shots_of({1})}, {"b", shots_of({2})}}), testing::IsEmpty());
+    EXPECT_THAT(
+        others({{"a", shots_of({1, 2})}, {"b", shots_of({1, 2, 3})}, {"c", shots_of({3, 4})}}),
+        testing::IsEmpty());
+    EXPECT_THAT(others({}), testing::IsEmpty());
 }
 
 TEST(Instants, OfEveryTenthPictureFollowEachOther) {

@@ -171,7 +171,7 @@ TEST_F(LargeCalibration, GivesTheCamerasThatTheUserNames) {
     EXPECT_EQ(config::load_rig(options_.output)->cameras.size(), 14U);
     options_.cameras = {"!*"};
     EXPECT_THAT(import(options_).error().message,
-                HasSubstr("0 cameras found as opencv with the names of --cameras"));
+                HasSubstr("0 cameras found as OpenCV with the names of --cameras"));
     options_.cameras = {"00_*", "99_*"};
     EXPECT_THAT(import(options_).error().message,
                 HasSubstr("--cameras 99_*: no camera has this name; the calibration has 00_00, "));

@@ -161,15 +161,9 @@ Expected<ForeignRig> rig_of(const ColmapModel& model, const std::string& where) 
     for (const auto& [name, all] : centres) firsts.push_back(all.front());
     const double size = farthest(firsts);
     for (const auto& [name, all] : centres) {
-        const double moved = farthest(all);
-        if (moved <= 0.01 * size) continue;
-        std::ranges::find(rig.cameras, name, &ForeignCamera::name)->has_moved = true;
-        rig.notes.push_back(fmt::format(
-            "camera '{}': its {} images stand up to {:.1f} % of the rig's size apart, so it moved, "
-            "or COLMAP erred; the first is used",
-            name,
-            all.size(),
-            100.0 * moved / std::max(size, 1e-12)));
+        ForeignCamera& camera = *std::ranges::find(rig.cameras, name, &ForeignCamera::name);
+        camera.num_images = all.size();
+        camera.spread = farthest(all) / std::max(size, 1e-12);
     }
     return rig;
 }

@@ -9,6 +9,9 @@
 
 namespace atrium::calibrate {
 
+/// Largest spread of a camera that stands still, in a good solution of COLMAP.
+inline constexpr double kStillSpread = 0.01;
+
 /// One camera as another program's file describes it, except that its intrinsics already follow
 /// our conventions: pixel centres at integers, distortion k1, k2, p1, p2, k3.
 struct ForeignCamera {
@@ -16,11 +19,18 @@ struct ForeignCamera {
     geometry::PinholeCamera lens;  // width 0: the file does not say
     bool has_lens = false;
     std::optional<ForeignPose> pose;
-    bool has_moved = false;     // `pose` is the first of several
-    std::string original = {};  // name in the file if `name` is another one, else empty
+    std::size_t num_images = 1;  // of COLMAP; `pose` is that of the first
+    double spread = 0.0;         // of their places, as a share of the rig's size
+    std::string original = {};   // name in the file if `name` is another one, else empty
 
     /// The name that the user knows.
     const std::string& known_name() const { return original.empty() ? name : original; }
+};
+
+/// A camera that was carried about while it took pictures, and is no camera of the rig.
+struct Walked {
+    std::string name;
+    std::string problem;  // a sentence, with the cure
 };
 
 /// The cameras of one or more files of another program. Lengths are in the unit of the file.
@@ -34,7 +44,9 @@ struct ForeignRig {
     bool has_frame = true;              // false: the origin and axes mean nothing
     std::string up;                     // that the format prescribes, for example "+Z"; or empty
     std::vector<std::string> notes;     // what a reader should know, as sentences
+    std::vector<std::string> checks;    // assumptions, with the cure
     std::vector<std::string> problems;  // cameras that are left out, with the cure
+    std::vector<Walked> walked = {};    // the same, of cameras that were carried about
 };
 
 }  // namespace atrium::calibrate

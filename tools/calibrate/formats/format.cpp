@@ -158,6 +158,40 @@ Expected<void> select_cameras(ForeignRig& rig, const std::vector<std::string>& p
     return {};
 }
 
+// A camera of a rig stands still. One that was carried about, such as a phone that helped COLMAP,
+// is left out if a rig remains without it.
+void sort_out_moved(ForeignRig& rig) {
+    constexpr double kCarried = 0.1;  // more than the noise of any useful one
+    const auto is_carried = [](const ForeignCamera& camera) { return camera.spread > kCarried; };
+    const auto num_carried =
+        static_cast<std::size_t>(std::ranges::count_if(rig.cameras, is_carried));
+    const bool is_rig_left = rig.cameras.size() >= num_carried + 2;
+    for (const ForeignCamera& camera : rig.cameras) {
+        if (camera.spread <= kStillSpread) continue;
+        const std::string what =
+            fmt::format("camera '{}': its {} images stand up to {:.1f} % of the rig's size apart",
+                        camera.name,
+                        camera.num_images,
+                        100.0 * camera.spread);
+        if (is_rig_left && is_carried(camera)) {
+            rig.walked.push_back(
+                {camera.name,
+                 fmt::format("{}, so it moved: left out, because the cameras of a rig stand still; "
+                             "if that is right, say --cameras '!{}'; if it stood still, COLMAP "
+                             "erred: solve again with more pictures",
+                             what,
+                             camera.name)});
+        } else {
+            rig.checks.push_back(
+                fmt::format("{}, so it moved, or COLMAP erred; the first is used; if the person "
+                            "is broken, leave it out: --cameras '!{}'",
+                            what,
+                            camera.name));
+        }
+    }
+    if (is_rig_left) std::erase_if(rig.cameras, is_carried);
+}
+
 tl::unexpected<Error> incomplete(const ForeignRig& rig, const std::string& where) {
     std::vector<std::string> no_lens;
     std::vector<std::string> no_pose;
@@ -251,7 +285,9 @@ void keep_cameras(ForeignRig& rig, const std::function<bool(const std::string&)>
     for (const ForeignCamera& camera : rig.cameras) {
         if (is_wanted(camera.name)) continue;
         const std::string start = fmt::format("camera '{}'", camera.known_name());
-        std::erase_if(rig.notes, [&](const std::string& note) { return note.starts_with(start); });
+        const auto is_of_camera = [&](const std::string& line) { return line.starts_with(start); };
+        std::erase_if(rig.notes, is_of_camera);
+        std::erase_if(rig.checks, is_of_camera);
     }
     std::erase_if(rig.cameras,
                   [&](const ForeignCamera& camera) { return !is_wanted(camera.name); });
@@ -281,6 +317,7 @@ Expected<ForeignRig> read_foreign(const Files& files,
     if (rig->cameras.size() > kMaxCamerasRead) return too_many_cameras(where);
     if (auto selected = select_cameras(*rig, wanted); !selected)
         return tl::unexpected(selected.error());
+    sort_out_moved(*rig);
     if (rig->cameras.size() < 2) {
         return make_error(
             ErrorKind::kConfiguration,

@@ -41,7 +41,7 @@ Expected<ForeignRig> read_foreign(const Files& files,
 /// For more than `kMaxCamerasRead` in a file: kInvalidData.
 tl::unexpected<Error> too_many_cameras(const std::string& where);
 
-/// Removes all cameras but those that `is_wanted` names, and the notes on them.
+/// Removes all cameras but those that `is_wanted` names, and the notes and checks on them.
 void keep_cameras(ForeignRig& rig, const std::function<bool(const std::string&)>& is_wanted);
 
 /// Replaces each folder that is no model of COLMAP by the calibration files in it, in the order of

@@ -30,6 +30,7 @@ Expected<Material> Gatherer::run() {
     if (!found) return tl::unexpected(found.error());
     sort_out(*found);
     if (auto done = gather_frames(); !done) return tl::unexpected(done.error());
+    drop_other_instants();
     take_numbering();
     if (auto done = look_at_all(); !done) return tl::unexpected(done.error());
     if (auto done = compare_numbers(); !done) return tl::unexpected(done.error());
@@ -51,7 +52,25 @@ void Gatherer::sort_out(const std::vector<Shots>& found) {
     }
 }
 
+// Pictures of a camera that walked about are those of no other one.
+void Gatherer::drop_walked() {
+    for (const std::string& walked : folders_.walked) {
+        const auto is_of_walked = [&](const Shots& shots) {
+            const auto has_name = [&](const std::string& name) {
+                return likeness(name, shots.label, {}) >= kByName;
+            };
+            return has_name(walked) && std::ranges::none_of(cameras_, [&](const auto& camera) {
+                       return has_name(known_name(camera, folders_.originals));
+                   });
+        };
+        std::erase_if(rooms_, is_of_walked);
+        std::erase_if(masks_, is_of_walked);
+        if (std::erase_if(frames_, is_of_walked) == 0) material_.left_out.push_back(walked);
+    }
+}
+
 Expected<void> Gatherer::gather_frames() {
+    drop_walked();
     auto matches = match_shots(cameras_, frames_, folders_.originals);
     if (!matches) return tl::unexpected(matches.error());
     material_.frames = std::move(matches->by_camera);
@@ -61,7 +80,6 @@ Expected<void> Gatherer::gather_frames() {
         (is_optional ? material_.left_out : material_.missing).push_back(camera);
     }
     std::vector<std::string> labels;
-    for (const auto& [camera, shots] : material_.frames) with_frames_.push_back(camera);
     for (const Shots& shots : frames_) {
         const bool is_taken = std::ranges::any_of(material_.frames, [&](const auto& entry) {
             const Shots& chosen = entry.second;
@@ -90,6 +108,11 @@ Expected<void> Gatherer::gather_frames() {
                         labels.empty() ? "neither videos nor pictures" : listed(labels),
                         aside));
     }
+    report_missing(labels);
+    return {};
+}
+
+void Gatherer::report_missing(const std::vector<std::string>& unused) {
     if (!material_.left_out.empty()) {
         tell(fmt::format("left out: {}: it moved, and has no pictures in {}",
                          known(material_.left_out),
@@ -101,19 +124,18 @@ Expected<void> Gatherer::gather_frames() {
             "cameras is thicker: copy the pictures there, give their folder the camera's name, or "
             "leave these cameras out with --cameras",
             material_.missing.size(),
-            cameras_.size() - material_.left_out.size(),
+            material_.frames.size() + material_.missing.size(),
             folders_.frames.string(),
             known(material_.missing),
-            labels.empty() ? "" : " (not used: " + listed(labels) + ")"));
+            unused.empty() ? "" : " (not used: " + listed(unused) + ")"));
     }
-    if (material_.missing.empty() && !labels.empty()) {
+    if (material_.missing.empty() && !unused.empty()) {
         check(
             fmt::format("pictures not used: {}; the calibration has no camera of these names, only "
                         "{}",
-                        listed(labels),
+                        listed(unused),
                         known(cameras_)));
     }
-    return {};
 }
 
 void Gatherer::report_truncated(const std::string& camera, const std::string& doubt) {
@@ -162,6 +184,24 @@ Expected<void> Gatherer::look_at_all() {
                         look.codec_rate_hz));
     }
     return {};
+}
+
+// A phone with numbers of its own, for example, has no instant in common with the cameras.
+void Gatherer::drop_other_instants() {
+    const OtherInstants others = find_other_instants(material_.frames);
+    for (const std::string& camera : others.cameras) {
+        const auto& pictures = material_.frames.at(camera).pictures;
+        const std::string& name = known_name(camera, folders_.originals);
+        problem(
+            fmt::format("camera '{0}' left out: its pictures have the numbers {1}, the others "
+                        "{2}, and pictures of one number are one instant: give its pictures "
+                        "the numbers of the others, or say --cameras '!{0}'",
+                        name,
+                        numbers_text(pictures.begin()->first, pictures.rbegin()->first),
+                        numbers_text(others.first, others.last)));
+        material_.frames.erase(camera);
+    }
+    for (const auto& [camera, shots] : material_.frames) with_frames_.push_back(camera);
 }
 
 void Gatherer::take_numbering() {

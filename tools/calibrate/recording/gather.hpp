@@ -18,6 +18,7 @@ struct PictureFolders {
     std::filesystem::path masks;        // empty: below `frames`, by name
     bool invert_masks = false;          // people are black in them
     std::vector<std::string> optional;  // cameras that moved: not missed without pictures
+    std::vector<std::string> walked;    // others, whose pictures belong to no camera
     Originals originals = {};           // names of cameras in the calibration, if other ones
 };
 
@@ -31,7 +32,7 @@ struct Material {
     std::size_t first_complete = 0;            // instant of the recording that all cameras show
     std::map<std::string, Look> looks;         // of the frames
     std::vector<std::string> missing;          // cameras without frames
-    std::vector<std::string> left_out;         // the same, of those that may lack them
+    std::vector<std::string> left_out;         // the same, of those that may lack them, or walked
     std::vector<std::string> told;
     std::vector<std::string> checks;    // assumptions, with the option that changes them
     std::vector<std::string> problems;  // that make a site fail, or lose people; with the cure

@@ -21,7 +21,10 @@ public:
 
 private:
     void sort_out(const std::vector<Shots>& found);
+    void drop_walked();
     Expected<void> gather_frames();
+    void report_missing(const std::vector<std::string>& unused);
+    void drop_other_instants();
     void take_numbering();
     Expected<void> look_at_all();
     Expected<void> compare_numbers();

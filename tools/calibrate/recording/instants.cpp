@@ -15,7 +15,7 @@ namespace {
 std::string range_text(std::size_t first, std::size_t last, const Numbering& files) {
     first = files.first + (first - files.first) * files.step;
     last = files.first + (last - files.first) * files.step;
-    return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
+    return numbers_text(first, last);
 }
 
 // "7, 12 to 14", and how many more ranges there are. `missing` and `all` ascend.
@@ -53,6 +53,38 @@ Numbering numbering_of(const std::map<std::string, Shots>& shots) {
     for (const std::size_t number : numbers) step = std::gcd(step, number - result.first);
     result.step = step;
     return result;
+}
+
+std::string numbers_text(std::size_t first, std::size_t last) {
+    return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
+}
+
+OtherInstants find_other_instants(const std::map<std::string, Shots>& frames) {
+    std::map<std::size_t, std::size_t> num_cameras;  // by number of a picture
+    std::size_t num_numbered = 0;
+    for (const auto& [camera, shots] : frames) {
+        for (const auto& [number, file] : shots.pictures) ++num_cameras[number];
+        if (!shots.pictures.empty()) ++num_numbered;
+    }
+    if (num_numbered < 3) return {};
+    const auto common =
+        std::ranges::max_element(num_cameras, {}, [](const auto& entry) { return entry.second; });
+    if (2 * common->second <= num_numbered || common->second == num_numbered) return {};
+    std::set<std::size_t> numbers;  // of the cameras that have the common one
+    for (const auto& [camera, shots] : frames) {
+        if (!shots.pictures.contains(common->first)) continue;
+        for (const auto& [number, file] : shots.pictures) numbers.insert(number);
+    }
+    OtherInstants others{{}, *numbers.begin(), *numbers.rbegin()};
+    for (const auto& [camera, shots] : frames) {
+        if (shots.pictures.empty() || shots.pictures.contains(common->first)) continue;
+        // a camera that shares some number is one with gaps
+        if (std::ranges::any_of(shots.pictures,
+                                [&](const auto& one) { return numbers.contains(one.first); }))
+            return {};
+        others.cameras.push_back(camera);
+    }
+    return others;
 }
 
 void count_by_one(std::map<std::string, Shots>& shots, const Numbering& numbering) {
@@ -137,7 +169,7 @@ Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames,
         return make_error(ErrorKind::kConfiguration,
                           fmt::format("the pictures have no number in common, so no two are of one "
                                       "instant: {}; renumber them, the same instant with the same "
-                                      "number",
+                                      "number, or leave cameras out: --cameras '!NAME'",
                                       ranges));
     }
     Instants result{*numbers.begin(), {}};

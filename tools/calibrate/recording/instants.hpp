@@ -5,6 +5,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 namespace atrium::calibrate {
 
@@ -22,6 +23,19 @@ struct Numbering {
 /// The numbering of the pictures of all cameras together. Every tenth picture of a film, or names
 /// in milliseconds, make steps above 1. Fewer than four numbers are no pattern.
 Numbering numbering_of(const std::map<std::string, Shots>& shots);
+
+/// "7" or "7 to 9".
+std::string numbers_text(std::size_t first, std::size_t last);
+
+/// The cameras whose pictures have no number in common with those of most cameras.
+struct OtherInstants {
+    std::vector<std::string> cameras;
+    std::size_t first = 0;  // numbers of most cameras' pictures
+    std::size_t last = 0;
+};
+/// Finds them if more than half of the cameras with numbered pictures have a number in common. Else
+/// there are none: nobody knows which cameras are right. Videos have no numbers.
+OtherInstants find_other_instants(const std::map<std::string, Shots>& frames);
 
 /// Numbers the pictures FIRST, FIRST + 1, ... instead. Those of another numbering with the same
 /// steps, such as masks, from their own first one. Without effect if the steps differ.

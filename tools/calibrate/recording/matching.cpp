@@ -11,8 +11,6 @@
 namespace atrium::calibrate {
 namespace {
 
-constexpr int kByName = 70;  // likeness of names, not only of numbers
-
 // Tokens that all labels have at the same place from the start or from the end say nothing.
 std::vector<std::string> telling_tokens(const std::string& label,
                                         const std::vector<std::string>& others) {

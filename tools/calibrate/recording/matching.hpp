@@ -10,6 +10,8 @@
 /// Finds the pictures of each camera by name.
 namespace atrium::calibrate {
 
+inline constexpr int kByName = 70;  // likeness of names, not only of numbers
+
 /// How surely a label is that of a camera: 0 not at all, 50 the same number, 100 the same name.
 /// `others` are all labels, `cameras` all cameras: what they have in common says nothing.
 int likeness(const std::string& camera,

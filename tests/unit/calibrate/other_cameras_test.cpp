@@ -1,0 +1,118 @@
+// Calibrated cameras that are none of the rig: carried about, or with pictures of other instants.
+#include "tests/unit/calibrate/recording_fixture.hpp"
+#include "tools/calibrate/conclude.hpp"
+#include "tools/calibrate/formats/format.hpp"
+
+#include <gmock/gmock.h>
+
+namespace atrium::calibrate {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+using test::write_picture;
+
+class OtherCameras : public test::ImportedRecording {
+protected:
+    // A model of COLMAP with the three cameras, and `name` at 9 places `step_m` apart.
+    void write_model(const std::string& name, double step_m) {
+        std::string images;
+        // in front, so that a proposed --distance would name it
+        for (int i = 0; i < 9; ++i) {
+            images += fmt::format(
+                "{} 1 0 0 0 {} 0.5 2 1 {}/IMG_{}.jpg\n\n", 100 + i, step_m * i, name, 4711 + i);
+        }
+        images += test::colmap_images_txt(cameras_, 1.0);
+        folder_.write("model/cameras.txt", test::colmap_cameras_txt(cameras_));
+        folder_.write("model/images.txt", images);
+        options_.files = {folder_.path() / "model"};
+        options_.said.distance = Said::Distance{"cam1", "cam2", 2.0};
+    }
+    void write_pictures(const std::string& phone) const {
+        for (int camera = 1; camera <= 3; ++camera)
+            write_picture(take(fmt::format("cam{}/frame_000001.png", camera)), 64, 48, 40);
+        for (int i = 0; i < 9; ++i)
+            write_picture(take(fmt::format("{}/IMG_{}.jpg", phone, 4711 + i)), 32, 24, 40);
+    }
+};
+
+TEST_F(OtherCameras, OneThatWasCarriedAboutIsLeftOutOfTheRig) {
+    write_model("phone", 0.2);
+    options_.recording.clear();
+    options_.output = folder_.path() / "rig.toml";
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->problems,
+                Contains(AllOf(HasSubstr("camera 'phone': its 9 images stand up to "),
+                               HasSubstr("so it moved: left out"),
+                               HasSubstr("--cameras '!phone'"))));
+    EXPECT_EQ(config::load_rig(options_.output)->cameras.size(), 3U);
+    options_.output = folder_.path() / "second.toml";
+    options_.cameras = {"!phone"};
+    const auto excluded = import(options_);
+    ASSERT_TRUE(excluded) << excluded.error().message;
+    EXPECT_THAT(excluded->problems, Not(Contains(HasSubstr("phone"))));
+    options_.cameras.clear();
+    options_.said.distance.reset();
+    EXPECT_THAT(import(options_).error().message, HasSubstr("--distance cam1 cam2 METRES"));
+}
+
+TEST_F(OtherCameras, OneThatWasCarriedAboutIsLeftOutOfTheRecordingWithItsPictures) {
+    // the number of a phone is not that of a camera without pictures
+    write_model("phone2", 0.2);
+    write_pictures("phone2");
+    std::filesystem::remove_all(take("cam2"));
+    options_.said.distance = Said::Distance{"cam1", "cam3", 2.0};
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->problems, Contains(HasSubstr("camera 'phone2': its 9 images")));
+    EXPECT_THAT(report->problems, Contains(HasSubstr("has no pictures of 'cam2'; a hull")));
+    EXPECT_EQ(config::load_rig(options_.output)->cameras.size(), 2U);
+}
+
+TEST_F(OtherCameras, OneThatMovedByTheNoiseOfASolutionStays) {
+    write_model("cam9", 0.01);
+    options_.recording.clear();
+    options_.output = folder_.path() / "rig.toml";
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->checks,
+                Contains(AllOf(HasSubstr("camera 'cam9': its 9 images stand up to "),
+                               HasSubstr("or COLMAP erred; the first is used"))));
+    EXPECT_THAT(report->problems, Not(Contains(HasSubstr("left out"))));
+    EXPECT_EQ(config::load_rig(options_.output)->cameras.size(), 4U);
+}
+
+TEST_F(OtherCameras, OneThatWasCarriedAboutStaysIfNoRigRemains) {
+    write_model("phone", 0.2);
+    const auto rig = read_foreign(options_.files, "auto", {"phone", "cam1"});
+    ASSERT_TRUE(rig) << rig.error().message;
+    EXPECT_EQ(rig->cameras.size(), 2U);
+    EXPECT_THAT(rig->checks, ElementsAre(HasSubstr("camera 'phone'")));
+    EXPECT_THAT(rig->walked, IsEmpty());
+}
+
+TEST_F(OtherCameras, OneWithPicturesOfOtherInstantsIsLeftOut) {
+    options_.recording = folder_.path() / "take";
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i)
+            write_picture(
+                take(fmt::format("cam{}/{}.png", camera, i + (camera == 2 ? 4711 : 1))), 64, 48, 4);
+    }
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->problems,
+                Contains(AllOf(HasSubstr("camera 'cam2' left out: its pictures have the numbers "
+                                         "4711 to 4713, the others 1 to 3"),
+                               HasSubstr("--cameras '!cam2'"))));
+    EXPECT_EQ(config::load_rig(options_.output)->cameras.size(), 2U);
+    EXPECT_FALSE(std::filesystem::exists(options_.output / "cam2"));
+}
+
+}  // namespace
+}  // namespace atrium::calibrate
