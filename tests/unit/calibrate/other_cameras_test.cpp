@@ -75,6 +75,24 @@ TEST_F(OtherCameras, OneThatWasCarriedAboutIsLeftOutOfTheRecordingWithItsPicture
     EXPECT_EQ(config::load_rig(options_.output)->cameras.size(), 2U);
 }
 
+// One picture per camera lies beside the folder of the phone.
+TEST_F(OtherCameras, OneInAFolderBesideLoosePicturesIsLeftOut) {
+    write_model("phone", 0.2);
+    std::string images = test::colmap_images_txt(cameras_, 1.0);
+    for (std::size_t at = images.find("/0001"); at != std::string::npos; at = images.find("/0001"))
+        images.replace(at, 5, "");
+    for (int i = 0; i < 9; ++i)
+        images += fmt::format("{} 1 0 0 0 {} 0.5 2 1 phone/{}.jpg\n\n", 100 + i, 0.2 * i, i);
+    folder_.write("model/images.txt", images);
+    const auto rig = read_foreign(options_.files, "auto", {});
+    ASSERT_TRUE(rig) << rig.error().message;
+    std::vector<std::string> names;
+    for (const ForeignCamera& camera : rig->cameras) names.push_back(camera.name);
+    EXPECT_THAT(names, testing::UnorderedElementsAre("cam1", "cam2", "cam3"));
+    ASSERT_EQ(rig->walked.size(), 1U);
+    EXPECT_EQ(rig->walked[0].name, "phone");
+}
+
 TEST_F(OtherCameras, OneThatMovedByTheNoiseOfASolutionStays) {
     write_model("cam9", 0.01);
     options_.recording.clear();

@@ -98,7 +98,17 @@ std::vector<std::string> camera_names(const std::vector<ColmapImage>& images) {
         return std::set<std::string>(names.begin(), names.end()).size();
     };
     if (num_different(folders) > 1) {
-        for (std::string& folder : folders) {
+        // those beside folders, as one picture per camera beside the folder of a phone
+        std::vector<std::string> loose;
+        for (std::size_t i = 0; i < folders.size(); ++i)
+            if (folders[i].empty()) loose.push_back(prefixes[i]);
+        const bool has_prefixes = num_different(loose) > 1;
+        for (std::size_t i = 0; i < folders.size(); ++i) {
+            std::string& folder = folders[i];
+            if (folder.empty()) {
+                folder = has_prefixes ? prefixes[i] : stems[i];
+                continue;
+            }
             const std::size_t slash = folder.rfind('/');
             const std::string last = slash == std::string::npos ? folder : folder.substr(slash + 1);
             // "cam1/images": the last folder says nothing
