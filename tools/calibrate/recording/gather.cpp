@@ -1,5 +1,6 @@
 #include "tools/calibrate/recording/gather.hpp"
 
+#include "tools/calibrate/recording/counting.hpp"
 #include "tools/calibrate/recording/gatherer.hpp"
 #include "tools/calibrate/recording/mask_checks.hpp"
 
@@ -71,7 +72,16 @@ void Gatherer::drop_walked() {
 
 Expected<void> Gatherer::gather_frames() {
     drop_walked();
-    auto matches = match_shots(cameras_, frames_, folders_.originals);
+    ShiftedCount shifted = find_shifted_count(cameras_, frames_, folders_.originals);
+    if (!shifted.names.empty()) {
+        check(
+            fmt::format("cameras: {}: the calibration and the pictures count from 0 and from 1, so "
+                        "they are paired in order; if that is wrong, give the pictures the names "
+                        "of the cameras",
+                        shifted.pairing));
+    }
+    names_ = shifted.names.empty() ? folders_.originals : std::move(shifted.names);
+    auto matches = match_shots(cameras_, frames_, names_);
     if (!matches) return tl::unexpected(matches.error());
     material_.frames = std::move(matches->by_camera);
     for (const std::string& camera : matches->missing) {
@@ -127,7 +137,8 @@ void Gatherer::report_missing(const std::vector<std::string>& unused) {
             material_.frames.size() + material_.missing.size(),
             folders_.frames.string(),
             known(material_.missing),
-            unused.empty() ? "" : " (not used: " + listed(unused) + ")"));
+            (unused.empty() ? "" : " (not used: " + listed(unused) + ")") +
+                doubt_of_count(known_names(cameras_), known_names(material_.missing), unused)));
     }
     if (material_.missing.empty() && !unused.empty()) {
         check(

@@ -23,7 +23,7 @@ Expected<void> Gatherer::gather_backgrounds() {
         if (std::ranges::any_of(rooms_, &Shots::is_background))
             std::erase_if(rooms_, [](const Shots& shots) { return !shots.is_background; });
     }
-    auto matches = match_shots(with_frames_, rooms_, folders_.originals);
+    auto matches = match_shots(with_frames_, rooms_, names_);
     if (!matches) return make_error(matches.error().kind, "background: " + matches.error().message);
     material_.backgrounds = std::move(matches->by_camera);
     if (!material_.masks.empty()) return {};

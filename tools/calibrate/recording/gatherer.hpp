@@ -35,9 +35,12 @@ private:
     void report_backgrounds(const std::vector<std::string>& without);
 
     // the names that the user knows
-    std::string known(std::vector<std::string> cameras) const {
+    std::vector<std::string> known_names(std::vector<std::string> cameras) const {
         for (std::string& camera : cameras) camera = known_name(camera, folders_.originals);
-        return listed(cameras);
+        return cameras;
+    }
+    std::string known(const std::vector<std::string>& cameras) const {
+        return listed(known_names(cameras));
     }
     void tell(std::string text) { material_.told.push_back(std::move(text)); }
     void check(std::string text) { material_.checks.push_back(std::move(text)); }
@@ -45,6 +48,7 @@ private:
 
     const std::vector<std::string>& cameras_;
     const PictureFolders& folders_;
+    Originals names_;  // of the cameras, in the pictures
     std::vector<std::string> with_frames_;
     std::vector<Shots> frames_;
     std::vector<Shots> rooms_;

@@ -11,31 +11,6 @@
 namespace atrium::calibrate {
 namespace {
 
-// Tokens that all labels have at the same place from the start or from the end say nothing.
-std::vector<std::string> telling_tokens(const std::string& label,
-                                        const std::vector<std::string>& others) {
-    std::vector<std::string> own = tokens(label);
-    std::size_t front = own.size();
-    std::size_t back = own.size();
-    bool is_only = true;
-    for (const std::string& other : others) {
-        if (other == label) continue;
-        is_only = false;
-        const std::vector<std::string> theirs = tokens(other);
-        std::size_t same = 0;
-        while (same < std::min(own.size(), theirs.size()) && own[same] == theirs[same]) ++same;
-        front = std::min(front, same);
-        same = 0;
-        while (same < std::min(own.size(), theirs.size()) &&
-               own[own.size() - 1 - same] == theirs[theirs.size() - 1 - same])
-            ++same;
-        back = std::min(back, same);
-    }
-    if (is_only || front + back >= own.size()) return own;
-    return {own.begin() + static_cast<std::ptrdiff_t>(front),
-            own.end() - static_cast<std::ptrdiff_t>(back)};
-}
-
 bool contains_run(const std::vector<std::string>& all, const std::vector<std::string>& run) {
     return !run.empty() && !std::ranges::search(all, run).empty();
 }
@@ -49,11 +24,6 @@ std::string joined(const std::vector<std::string>& words) {
         text += (is_number(word) && is_after_digit ? "_" : "") + word;
     }
     return text;
-}
-
-std::string last_number(const std::vector<std::string>& name) {
-    const auto number = std::find_if(name.rbegin(), name.rend(), is_number);
-    return number == name.rend() ? std::string() : *number;
 }
 
 // Where the whole of `name` is in `part`, not as a piece of a longer word or number.

@@ -2,6 +2,7 @@
 
 #include "tools/calibrate/formats/rig_name.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <filesystem>
 
@@ -50,6 +51,35 @@ std::vector<std::string> parts_of(const std::string& label) {
     for (const std::filesystem::path& part : std::filesystem::path(label))
         parts.push_back(part.string());
     return parts;
+}
+
+std::vector<std::string> telling_tokens(const std::string& label,
+                                        const std::vector<std::string>& others) {
+    std::vector<std::string> own = tokens(label);
+    std::size_t front = own.size();
+    std::size_t back = own.size();
+    bool is_only = true;
+    for (const std::string& other : others) {
+        if (other == label) continue;
+        is_only = false;
+        const std::vector<std::string> theirs = tokens(other);
+        std::size_t same = 0;
+        while (same < std::min(own.size(), theirs.size()) && own[same] == theirs[same]) ++same;
+        front = std::min(front, same);
+        same = 0;
+        while (same < std::min(own.size(), theirs.size()) &&
+               own[own.size() - 1 - same] == theirs[theirs.size() - 1 - same])
+            ++same;
+        back = std::min(back, same);
+    }
+    if (is_only || front + back >= own.size()) return own;
+    return {own.begin() + static_cast<std::ptrdiff_t>(front),
+            own.end() - static_cast<std::ptrdiff_t>(back)};
+}
+
+std::string last_number(const std::vector<std::string>& name) {
+    const auto number = std::find_if(name.rbegin(), name.rend(), is_number);
+    return number == name.rend() ? std::string() : *number;
 }
 
 }  // namespace atrium::calibrate

@@ -22,4 +22,12 @@ bool is_number(const std::string& token);
 /// The folders of a label and its last name: "images/cam1" is images, cam1.
 std::vector<std::string> parts_of(const std::string& label);
 
+/// The tokens of a label without those that all labels have at the same place from the start or
+/// from the end, which say nothing.
+std::vector<std::string> telling_tokens(const std::string& label,
+                                        const std::vector<std::string>& others);
+
+/// The last number among tokens; empty without any.
+std::string last_number(const std::vector<std::string>& name);
+
 }  // namespace atrium::calibrate
