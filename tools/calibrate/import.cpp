@@ -155,6 +155,7 @@ Expected<void> check_number(const ForeignRig& rig, const ImportOptions& options)
 Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
     auto material = gather(names_of(rig),
                            {options.recording,
+                            options.take,
                             options.background,
                             options.masks,
                             options.invert_masks,

@@ -18,6 +18,7 @@ struct ImportOptions {
     Said said;
     bool has_rate = false;
     std::filesystem::path recording;   // folder with pictures; empty: only the calibration
+    std::string take;                  // pattern of names of pictures below it; empty: all
     std::filesystem::path background;  // folder with pictures of the empty room
     std::filesystem::path masks;       // folder with masks of the people
     std::string programs;              // before names of programs: "build/bin/"; or empty

@@ -126,6 +126,12 @@ void add_picture_options(CLI::App& command, ImportOptions& options) {
         "folder with the videos or pictures of these cameras; -o then names the folder of the new "
         "recording");
     command
+        .add_option("--take",
+                    options.take,
+                    "of several recordings below --recording, the one whose folders or files have "
+                    "names that match this pattern of a shell, or begin with it: 'Gait 0001'")
+        ->needs(recording);
+    command
         .add_option("--background",
                     options.background,
                     "folder with videos or pictures of the empty room; default: those below "

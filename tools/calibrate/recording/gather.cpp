@@ -3,11 +3,13 @@
 #include "tools/calibrate/recording/counting.hpp"
 #include "tools/calibrate/recording/gatherer.hpp"
 #include "tools/calibrate/recording/mask_checks.hpp"
+#include "tools/calibrate/recording/takes.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace atrium::calibrate {
@@ -15,13 +17,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_below(const fs::path& path, const fs::path& folder) {
-    std::error_code failure;
+// Whether pictures were found in `folder`, below `root`. Links are as they are named: those of a
+// recording may lead into the folder of the empty room.
+bool is_in_folder(const Shots& shots, const fs::path& folder, const fs::path& root) {
     if (folder.empty()) return false;
-    const std::string relative = fs::weakly_canonical(path, failure)
-                                     .lexically_relative(fs::weakly_canonical(folder))
-                                     .string();
-    return !relative.empty() && !relative.starts_with("..");
+    std::error_code failure;
+    const fs::path relative = shots.path.lexically_relative(root);
+    fs::path at = root;
+    for (const fs::path& part : relative) {
+        at /= part;
+        if (part != "." && fs::equivalent(at, folder, failure)) return true;
+    }
+    return false;
 }
 
 }  // namespace
@@ -29,7 +36,7 @@ bool is_below(const fs::path& path, const fs::path& folder) {
 Expected<Material> Gatherer::run() {
     const auto found = find_shots(folders_.frames);
     if (!found) return tl::unexpected(found.error());
-    sort_out(*found);
+    if (auto done = sort_out(*found); !done) return tl::unexpected(done.error());
     if (auto done = gather_frames(); !done) return tl::unexpected(done.error());
     drop_other_instants();
     take_numbering();
@@ -40,17 +47,45 @@ Expected<Material> Gatherer::run() {
     return std::move(material_);
 }
 
-// Pictures in folders that the user names for another purpose are no frames.
-void Gatherer::sort_out(const std::vector<Shots>& found) {
-    std::error_code failure;
-    const auto is_elsewhere = [&](const Shots& shots, const fs::path& folder) {
-        return is_below(shots.path, folder) && !fs::equivalent(folder, folders_.frames, failure);
-    };
-    for (const Shots& shots : found) {
-        if (is_elsewhere(shots, folders_.masks) || is_elsewhere(shots, folders_.background))
-            continue;
-        (shots.is_mask ? masks_ : shots.is_background ? rooms_ : frames_).push_back(shots);
+// Pictures in folders that the user names for another purpose, and of other takes, are no frames.
+Expected<void> Gatherer::sort_out(const std::vector<Shots>& found) {
+    const std::string& take = folders_.take;
+    const auto is_of = [&](const Shots& shots) { return is_of_take(take, shots.label); };
+    std::vector<Shots> all;
+    std::ranges::copy_if(found, std::back_inserter(all), [&](const Shots& shots) {
+        return !is_in_folder(shots, folders_.masks, folders_.frames) &&
+               !is_in_folder(shots, folders_.background, folders_.frames);
+    });
+    for (const Shots& shots : all) {
+        // who asks for a static trial by name does not mean the empty room
+        const bool is_asked_for = !take.empty() && is_of(shots) && names_empty_room(take);
+        if (shots.is_mask) {
+            masks_.push_back(shots);
+        } else if (shots.is_background && !is_asked_for) {
+            rooms_.push_back(shots);
+        } else if (take.empty() || is_of(shots)) {
+            frames_.push_back(shots);
+        }
     }
+    if (take.empty()) return {};
+    for (std::vector<Shots>* others : {&rooms_, &masks_}) {
+        if (std::ranges::any_of(*others, is_of))
+            std::erase_if(*others, [&](const Shots& shots) { return !is_of(shots); });
+    }
+    if (!frames_.empty()) return {};
+    const std::vector<std::string> names = beginnings(known_names(cameras_), all);
+    return make_error(ErrorKind::kConfiguration,
+                      fmt::format("--take '{}': no folder and no file below {} has such a name{}",
+                                  take,
+                                  folders_.frames.string(),
+                                  names.empty() ? "" : "; there are " + listed(names)));
+}
+
+// Several takes in one folder are the likeliest reason.
+std::string Gatherer::cure_of_two() const {
+    const std::vector<std::string> names = beginnings(known_names(cameras_), frames_);
+    if (names.size() < 2) return kCureOfTwo;
+    return fmt::format("choose one recording: --take {}; or {}", listed(names), kCureOfTwo);
 }
 
 // Pictures of a camera that walked about are those of no other one.
@@ -81,7 +116,7 @@ Expected<void> Gatherer::gather_frames() {
                         shifted.pairing));
     }
     names_ = shifted.names.empty() ? folders_.originals : std::move(shifted.names);
-    auto matches = match_shots(cameras_, frames_, names_);
+    auto matches = match_shots(cameras_, frames_, names_, cure_of_two());
     if (!matches) return tl::unexpected(matches.error());
     material_.frames = std::move(matches->by_camera);
     for (const std::string& camera : matches->missing) {

@@ -14,6 +14,7 @@ namespace atrium::calibrate {
 /// Where the pictures of a rig are searched.
 struct PictureFolders {
     std::filesystem::path frames;
+    std::string take;                   // pattern of their names; empty: all
     std::filesystem::path background;   // empty: below `frames`, by name
     std::filesystem::path masks;        // empty: below `frames`, by name
     bool invert_masks = false;          // people are black in them

@@ -23,7 +23,8 @@ Expected<void> Gatherer::gather_masks() {
                           "--invert-masks: no masks were found; give their folder with --masks");
     }
     if (masks_.empty() && !is_named) return {};
-    auto matches = match_shots(with_frames_, masks_, names_);
+    auto matches = match_shots(
+        with_frames_, masks_, names_, "name the folder of one set of masks with --masks");
     if (!matches) return make_error(matches.error().kind, "masks: " + matches.error().message);
     const std::string where = (is_named ? folders_.masks : folders_.frames).string();
     const auto video = std::ranges::find_if(

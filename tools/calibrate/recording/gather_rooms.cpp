@@ -13,6 +13,10 @@ namespace {
 // site_node/occupied_room/learn_occupied_room.hpp.
 constexpr std::size_t kFewestToLearnFrom = 8;
 
+std::filesystem::path first_file(const Shots& shots) {
+    return shots.is_video ? shots.path : shots.pictures.begin()->second;
+}
+
 }  // namespace
 
 Expected<void> Gatherer::gather_backgrounds() {
@@ -20,20 +24,72 @@ Expected<void> Gatherer::gather_backgrounds() {
         auto named = find_shots(folders_.background);
         if (!named) return tl::unexpected(named.error());
         rooms_ = std::move(*named);
+        std::error_code failure;
+        if (std::filesystem::equivalent(folders_.background, folders_.frames, failure) &&
+            std::ranges::none_of(rooms_, &Shots::is_background)) {
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("--background: {} is the folder of the recording, and no "
+                                          "name in it says which pictures show the empty room; "
+                                          "give a folder of the empty room alone",
+                                          folders_.background.string()));
+        }
         if (std::ranges::any_of(rooms_, &Shots::is_background))
             std::erase_if(rooms_, [](const Shots& shots) { return !shots.is_background; });
     }
-    auto matches = match_shots(with_frames_, rooms_, names_);
+    // a static trial shows a person more often than not
+    if (std::ranges::any_of(rooms_, [](const Shots& shots) { return !shots.is_static; }))
+        std::erase_if(rooms_, [](const Shots& shots) { return shots.is_static; });
+    auto matches = match_shots(
+        with_frames_, rooms_, names_, "name the folder of one empty room with --background");
     if (!matches) return make_error(matches.error().kind, "background: " + matches.error().message);
     material_.backgrounds = std::move(matches->by_camera);
     if (!material_.masks.empty()) return {};
     if (auto fitting = check_background_sizes(material_); !fitting) return fitting;
-    if (matches->missing.empty()) {
-        tell("background: the empty room was found for every camera");
-    } else {
-        report_backgrounds(matches->missing);
+    if (auto other = check_that_rooms_differ(); !other) return other;
+    report_found_rooms();
+    if (!matches->missing.empty()) report_backgrounds(matches->missing);
+    return {};
+}
+
+// The pictures of a recording that somebody gives as the empty room, perhaps through links.
+Expected<void> Gatherer::check_that_rooms_differ() const {
+    for (const auto& [camera, room] : material_.backgrounds) {
+        const Shots& frames = material_.frames.at(camera);
+        std::error_code failure;
+        if (room.is_video != frames.is_video ||
+            !std::filesystem::equivalent(first_file(room), first_file(frames), failure))
+            continue;
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("background: {} is the recording of camera '{}' itself; give "
+                                      "pictures of the empty room, or leave --background out",
+                                      first_file(room).string(),
+                                      known_name(camera, folders_.originals)));
     }
     return {};
+}
+
+void Gatherer::report_found_rooms() {
+    if (material_.backgrounds.empty()) return;
+    const std::size_t num_found = material_.backgrounds.size();
+    const Shots& some = material_.backgrounds.begin()->second;
+    std::string files =
+        fmt::format("'{}'", some.is_video ? first_file(some).filename().string() : some.label);
+    if (num_found > 1) files += fmt::format(" and those of {} more cameras", num_found - 1);
+    if (some.is_static && folders_.background.empty()) {
+        check(
+            fmt::format("background: {} are taken as the empty room because of the word static in "
+                        "their names. A static trial usually shows a person: if it does, give the "
+                        "empty room with --background, or let the site learn it from the video: "
+                        "site_node --segmentation.background_from people (docs/backgrounds.md)",
+                        files));
+    } else if (num_found == material_.frames.size()) {
+        tell(fmt::format("background: the empty room was found for every camera: {}", files));
+    } else {
+        tell(fmt::format("background: the empty room was found for {} of {} cameras: {}",
+                         num_found,
+                         material_.frames.size(),
+                         files));
+    }
 }
 
 void Gatherer::report_backgrounds(const std::vector<std::string>& without) {

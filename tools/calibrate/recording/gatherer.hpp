@@ -20,7 +20,8 @@ public:
     Expected<Material> run();
 
 private:
-    void sort_out(const std::vector<Shots>& found);
+    Expected<void> sort_out(const std::vector<Shots>& found);
+    std::string cure_of_two() const;
     void drop_walked();
     Expected<void> gather_frames();
     void report_missing(const std::vector<std::string>& unused);
@@ -32,6 +33,8 @@ private:
     Expected<void> gather_masks();
     Expected<void> align_masks();
     Expected<void> gather_backgrounds();
+    Expected<void> check_that_rooms_differ() const;
+    void report_found_rooms();
     void report_backgrounds(const std::vector<std::string>& without);
 
     // the names that the user knows

@@ -158,7 +158,8 @@ const std::string& known_name(const std::string& camera, const Originals& origin
 namespace {
 
 Expected<Matches> match_names(const std::vector<std::string>& cameras,
-                              const std::vector<Shots>& shots) {
+                              const std::vector<Shots>& shots,
+                              const std::string& cure) {
     std::vector<std::string> labels;
     for (const Shots& one : shots)
         if (!one.is_alone) labels.push_back(one.label);
@@ -191,13 +192,11 @@ Expected<Matches> match_names(const std::vector<std::string>& cameras,
         const Shots& chosen = *fitting.front();
         if (fitting.size() > 1) {
             return make_error(ErrorKind::kConfiguration,
-                              fmt::format("camera '{}' may be '{}' or '{}'; name the folder of one "
-                                          "recording, move other pictures away, or give the "
-                                          "pictures the names of the cameras; an empty room is "
-                                          "given with --background, masks with --masks",
+                              fmt::format("camera '{}' may be '{}' or '{}'; {}",
                                           camera,
                                           chosen.label,
-                                          fitting[1]->label));
+                                          fitting[1]->label,
+                                          cure));
         }
         if (const auto [former, is_new] = taken.emplace(chosen.label, camera); !is_new) {
             return make_error(ErrorKind::kConfiguration,
@@ -216,7 +215,8 @@ Expected<Matches> match_names(const std::vector<std::string>& cameras,
 
 Expected<Matches> match_shots(const std::vector<std::string>& cameras,
                               const std::vector<Shots>& shots,
-                              const Originals& originals) {
+                              const Originals& originals,
+                              const std::string& cure) {
     std::map<std::string, std::string> camera_of;  // by the name in the calibration
     std::vector<std::string> names;
     for (const std::string& camera : cameras) {
@@ -225,7 +225,7 @@ Expected<Matches> match_shots(const std::vector<std::string>& cameras,
         names.push_back(camera_of.contains(known) ? camera : known);
         camera_of[names.back()] = camera;
     }
-    auto by_name = match_names(names, shots);
+    auto by_name = match_names(names, shots, cure);
     if (!by_name) return by_name;
     Matches matches;
     for (const auto& [name, chosen] : by_name->by_camera)
@@ -238,7 +238,7 @@ Expected<Matches> match_shots(const std::vector<std::string>& cameras,
             return entry.second.label == one.label || entry.second.path == one.path;
         });
     });
-    auto by_rig = match_names(matches.missing, rest);
+    auto by_rig = match_names(matches.missing, rest, cure);
     if (!by_rig) return by_rig;
     matches.by_camera.merge(by_rig->by_camera);
     matches.missing = std::move(by_rig->missing);

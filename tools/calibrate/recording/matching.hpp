@@ -29,12 +29,19 @@ struct Matches {
     std::map<std::string, Shots> by_camera;
     std::vector<std::string> missing;  // cameras without pictures
 };
+/// What to do if a camera fits two, for most pictures.
+inline constexpr const char* kCureOfTwo =
+    "name the folder of one recording, move other pictures away, or give the pictures the names of "
+    "the cameras; an empty room is given with --background, masks with --masks";
+
 /// Matches whole names first: a folder or file with the name of exactly one camera, as "hd_00_04"
 /// has that of "00_04", belongs to it. The cameras and pictures that are left go by `likeness`.
 /// A camera has two names if it is one of `originals`; the one in the calibration goes first.
-/// Error kConfiguration, with the names, if a camera fits two or two cameras fit one.
+/// Error kConfiguration, with the names, and `cure`, if a camera fits two, or if two cameras fit
+/// one.
 Expected<Matches> match_shots(const std::vector<std::string>& cameras,
                               const std::vector<Shots>& shots,
-                              const Originals& originals = {});
+                              const Originals& originals = {},
+                              const std::string& cure = kCureOfTwo);
 
 }  // namespace atrium::calibrate

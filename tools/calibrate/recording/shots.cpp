@@ -32,8 +32,9 @@ const std::set<std::string> kBackgrounds{"background",
                                          "plate",
                                          "plates",
                                          "cleanplate",
-                                         "cleanplates",
-                                         "static"};
+                                         "cleanplates"};
+// Also a trial in which a person stands still.
+const std::set<std::string> kStatics{"static"};
 const std::set<std::string> kMasks{"mask",
                                    "masks",
                                    "matte",
@@ -105,7 +106,9 @@ private:
         return label == "." ? "" : label;
     }
     void add(Shots shots) {
-        shots.is_background = has_word_of(kBackgrounds, shots.label);
+        const bool is_room = has_word_of(kBackgrounds, shots.label);
+        shots.is_static = !is_room && has_word_of(kStatics, shots.label);
+        shots.is_background = is_room || shots.is_static;
         shots.is_mask = shots.is_mask || has_masks_only_ || has_word_of(kMasks, shots.label);
         found_.push_back(std::move(shots));
     }
@@ -153,7 +156,7 @@ private:
             shots.path = folder;
             shots.is_mask = is_mask;
             shots.label = label_of(prefixes.size() > 1 ? folder / prefix : folder);
-            if (prefixes.size() == 1 && has_word_of(kBackgrounds, prefix))
+            if (prefixes.size() == 1 && names_empty_room(prefix))
                 shots.label = label_of(folder / prefix);
             add(shots);
         }
@@ -172,6 +175,10 @@ private:
 };
 
 }  // namespace
+
+bool names_empty_room(const std::string& label) {
+    return has_word_of(kBackgrounds, label) || has_word_of(kStatics, label);
+}
 
 Expected<std::vector<Shots>> find_shots(const fs::path& folder) {
     std::error_code failure;

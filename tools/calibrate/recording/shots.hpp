@@ -20,11 +20,15 @@ struct Shots {
     std::string label;
     bool is_alone = false;       // one picture out of a folder that may also be a sequence
     bool is_background = false;  // by a word in its label: "empty", "bg", ...
+    bool is_static = false;      // the same, by the word "static" alone: may show a person
     bool is_mask = false;        // by a word in its label: "masks", "silhouettes", ...
 
     /// Number of pictures; 0 for a video.
     std::size_t num_pictures() const { return pictures.size(); }
 };
+
+/// Whether a word in a label or pattern names the empty room.
+bool names_empty_room(const std::string& label);
 
 /// Finds everything below `folder` that may be the pictures of a camera, four folders deep.
 /// Errors: kNotFound without such a folder, kInvalidData for more than 200,000 files.
