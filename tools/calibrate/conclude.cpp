@@ -113,8 +113,10 @@ void Concluder::read_poses() {
     if (2 * num_looking < cameras_.size() + 1) {
         problem(
             fmt::format("poses: only {}: the cameras do not look at one room, or the poses mean "
-                        "something else; check the calibration, or say --direction and --axes",
-                        looking));
+                        "something else; check the calibration, or {}",
+                        looking,
+                        is_said ? "leave --direction and --axes out, so that they are found out"
+                                : "say --direction and --axes"));
         return;
     }
     for (std::size_t i = 0; i < cameras_.size(); ++i)

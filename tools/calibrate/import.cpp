@@ -158,6 +158,7 @@ Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
                             options.take,
                             options.background,
                             options.masks,
+                            options.has_rate,
                             options.invert_masks,
                             moved(rig),
                             walked(rig),

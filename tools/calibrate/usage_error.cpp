@@ -18,6 +18,16 @@ std::vector<std::string> option_names(const CLI::App& command) {
     return names;
 }
 
+// "record" for "recording"
+std::vector<std::string> names_beginning_with(const std::string& written,
+                                              std::vector<std::string> names) {
+    constexpr std::size_t kFewestLetters = 3;
+    std::erase_if(names, [&](const std::string& name) {
+        return written.size() < kFewestLetters || !name.starts_with(written);
+    });
+    return names;
+}
+
 }  // namespace
 
 std::string usage_error(const CLI::App& app, const std::string& reason) {
@@ -37,7 +47,9 @@ std::string usage_error(const CLI::App& app, const std::string& reason) {
             if (hint.empty()) hint = fmt::format("the subcommands are {}", fmt::join(names, ", "));
         } else if (begin != std::string::npos && begin > 0) {
             const std::string written = first.substr(begin, first.find('=') - begin);
-            hint = config::ask_which(config::names_meant_by(written, option_names(command)), "--");
+            std::vector<std::string> names = config::names_meant_by(written, option_names(command));
+            if (names.empty()) names = names_beginning_with(written, option_names(command));
+            hint = config::ask_which(names, "--");
         }
         return fmt::format("unexpected: {}{}",
                            fmt::join(unknown, " "),

@@ -62,6 +62,25 @@ TEST_F(Mistakes, ACameraThatQtmDidNotCalibrateIsLeftOut) {
                 AllOf(HasSubstr("1 cameras found"), HasSubstr("'cam1' is not calibrated")));
 }
 
+TEST_F(Mistakes, CamerasForMarkersAreNamed) {
+    std::string text = test::qualisys_xml(cameras_);
+    const std::size_t third = text.find("serial=\"cam3\"");
+    text.replace(text.rfind("active=\"1\"", third), 10, "active=\"0\"");
+    const auto result = conclude_from("a.qca.txt", text);
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_THAT(result->told,
+                Contains(testing::ContainsRegex(
+                    "cameras for markers, or not active, were left out: .*cam3.*; only models")));
+}
+
+TEST_F(Mistakes, AxesThatAreSaidWronglyAreToBeLeftOut) {
+    Said said;
+    said.opengl = true;
+    const auto wrong = conclude_from("a.yml", test::opencv_yaml(cameras_, 1000.0), said);
+    ASSERT_TRUE(wrong) << wrong.error().message;
+    EXPECT_THAT(wrong->problems, Contains(HasSubstr("leave --direction and --axes out")));
+}
+
 TEST_F(Mistakes, ACameraThatLooksElsewhereIsNamed) {
     const auto whole = conclude_from("a.yml", test::opencv_yaml(cameras_, 1000.0));
     ASSERT_TRUE(whole);

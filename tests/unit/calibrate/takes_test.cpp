@@ -121,6 +121,18 @@ TEST_F(SeveralTakes, TheRecordingIsNotItsOwnEmptyRoom) {
                 HasSubstr("is the recording of camera 'cam1' itself"));
 }
 
+TEST_F(SeveralTakes, NeedFolders) {
+    write_take("Gait 0001");
+    const fs::path folder = options_.recording;
+    options_.recording = folder / "Gait 0001_V6_cam1.avi";
+    EXPECT_THAT(import(options_).error().message,
+                HasSubstr("cam1.avi: is a file; give its folder"));
+    options_.background = options_.recording;
+    options_.recording = folder;
+    EXPECT_THAT(import(options_).error().message,
+                HasSubstr("cam1.avi: is a file; give its folder"));
+}
+
 // The recording consists of links into the folder that --background names.
 TEST_F(SeveralTakes, LinksIntoTheFolderOfTheEmptyRoomAreStillTheRecording) {
     write_take("Gait 0001");

@@ -7,6 +7,7 @@
 #include "tools/calibrate/formats/xml_numbers.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <string_view>
@@ -131,7 +132,7 @@ Expected<ForeignRig> read_qualisys(const Files& files) {
     rig.documented = {Reading::Pose::kRotationAndPosition, true};
     rig.units = "mm";
     rig.up = "+Z";
-    std::size_t num_markers = 0;
+    std::vector<std::string> markers;
     for (const auto& file : files) {
         pugi::xml_document document;
         if (auto loaded = load_xml(file, document); !loaded) return tl::unexpected(loaded.error());
@@ -144,7 +145,7 @@ Expected<ForeignRig> read_qualisys(const Files& files) {
                                   model.find("Hybrid") != std::string::npos;
             const bool is_used = std::string(node.attribute("active").value()) != "0";
             if (!is_video || !is_used) {
-                ++num_markers;
+                markers.emplace_back(node.attribute("serial").value());
                 continue;
             }
             if (is_uncalibrated(node)) {
@@ -159,11 +160,11 @@ Expected<ForeignRig> read_qualisys(const Files& files) {
             rig.cameras.push_back(std::move(*camera));
         }
     }
-    if (num_markers > 0) {
+    if (!markers.empty()) {
         rig.notes.push_back(fmt::format(
-            "{} cameras for markers, or not active, were left out; only models with Video or "
+            "cameras for markers, or not active, were left out: {}; only models with Video or "
             "Hybrid in their name take pictures",
-            num_markers));
+            fmt::join(markers, ", ")));
     }
     return rig;
 }

@@ -221,7 +221,8 @@ Expected<void> Gatherer::look_at_all() {
     if (std::string doubt = doubt_of_lengths(material_.frames, material_.looks); !doubt.empty())
         check(std::move(doubt));
     const Look& look = material_.looks.begin()->second;
-    if (look.codec_rate_hz > 0.0 && std::abs(look.codec_rate_hz / look.rate_hz - 1.0) > 0.01) {
+    if (!folders_.is_rate_said && look.codec_rate_hz > 0.0 &&
+        std::abs(look.codec_rate_hz / look.rate_hz - 1.0) > 0.01) {
         check(
             fmt::format("rate: the files say {0:.4g} Hz, the pictures in them {1:.4g} Hz; "
                         "{0:.4g} Hz is taken; if people move at the wrong speed, say --rate "

@@ -17,6 +17,7 @@ struct PictureFolders {
     std::string take;                   // pattern of their names; empty: all
     std::filesystem::path background;   // empty: below `frames`, by name
     std::filesystem::path masks;        // empty: below `frames`, by name
+    bool is_rate_said = false;          // so the videos' rates decide nothing
     bool invert_masks = false;          // people are black in them
     std::vector<std::string> optional;  // cameras that moved: not missed without pictures
     std::vector<std::string> walked;    // others, whose pictures belong to no camera

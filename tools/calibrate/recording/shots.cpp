@@ -182,6 +182,10 @@ bool names_empty_room(const std::string& label) {
 
 Expected<std::vector<Shots>> find_shots(const fs::path& folder) {
     std::error_code failure;
+    if (fs::is_regular_file(folder, failure)) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: is a file; give its folder", folder.string()));
+    }
     if (!fs::is_directory(folder, failure)) {
         return make_error(
             ErrorKind::kNotFound,

@@ -31,7 +31,8 @@ struct Shots {
 bool names_empty_room(const std::string& label);
 
 /// Finds everything below `folder` that may be the pictures of a camera, four folders deep.
-/// Errors: kNotFound without such a folder, kInvalidData for more than 200,000 files.
+/// Errors: kNotFound without such a folder, kConfiguration for a file, kInvalidData for more than
+/// 200,000 files.
 Expected<std::vector<Shots>> find_shots(const std::filesystem::path& folder);
 
 /// The first picture, and the numbers of pictures.
