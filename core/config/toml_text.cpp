@@ -18,6 +18,27 @@ bool is_binary(std::string_view text) {
            text.starts_with("\xFE\xFF");
 }
 
+// Line of the first byte that is not UTF-8, from 1; 0 if there is none. Longer forms than needed
+// and surrogates pass: they do no harm.
+std::size_t line_not_utf8(std::string_view text) {
+    std::size_t line = 1;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto byte = static_cast<unsigned char>(text[i]);
+        if (byte == '\n') ++line;
+        if (byte < 0x80) continue;
+        const int num_more = byte >= 0xF0 && byte < 0xF8   ? 3
+                             : byte >= 0xE0 && byte < 0xF0 ? 2
+                             : byte >= 0xC0 && byte < 0xE0 ? 1
+                                                           : 0;
+        if (num_more == 0) return line;
+        for (int k = 0; k < num_more; ++k) {
+            if (++i >= text.size() || (static_cast<unsigned char>(text[i]) & 0xC0) != 0x80)
+                return line;
+        }
+    }
+    return 0;
+}
+
 // The line of that number, from 1, without spaces around it and at most 60 characters long.
 std::string line_of(std::string_view text, std::size_t number) {
     constexpr std::size_t kMaxLength = 60;
@@ -82,6 +103,13 @@ Expected<toml::value> parse_toml(const std::string& text, const std::string& nam
                           fmt::format("{}: is not a text file in UTF-8; is it the right file? An "
                                       "editor may have saved it as UTF-16",
                                       name));
+    }
+    if (const std::size_t line = line_not_utf8(text); line != 0) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}:{}: a letter is not in UTF-8, but perhaps in Latin-1; "
+                                      "save the file as UTF-8",
+                                      name,
+                                      line));
     }
     if (const std::size_t line = line_nested_too_deeply(text); line != 0) {
         return make_error(

@@ -84,6 +84,7 @@ private:
     std::string describe_failure(const ChildProcess& child, const std::string& what) const;
     std::string preparing_note(const ChildProcess& child) const;
     std::map<std::string, std::string> preparing_notes() const;
+    void print_doubts() const;
     bool sleep(std::stop_token stop, Clock::time_point until);
 
     const DemoConfig& config_;
@@ -141,6 +142,8 @@ Expected<void> Demo::start_programs() {
                                        (folder_.running() / "view.png").string(),
                                        "--video.file",
                                        (folder_.running() / "view.avi").string()};
+    if (const fs::path models = models_for_viewer(config_); !models.empty())
+        arguments.insert(arguments.end(), {"--viewer.models", models.string()});
     if (!config_.camera.empty())
         arguments.insert(arguments.end(), {"--view.position_m", config_.camera});
     if (!config_.target.empty())
@@ -228,9 +231,25 @@ Expected<void> Demo::wait_until_everybody_is_on(std::stop_token stop) {
     return {};
 }
 
+// What the programs found odd in the world's files, which the user would look for in the logs.
+void Demo::print_doubts() const {
+    constexpr std::size_t kMost = 8;
+    for (const ChildProcess& child : children_) {
+        const std::vector<std::string> lines = doubts(child.log_tail());
+        for (std::size_t i = 0; i < std::min(kMost, lines.size()); ++i)
+            fmt::print("{}: {}\n", child.name(), lines[i]);
+        if (lines.size() > kMost)
+            fmt::print("{}: {} more in {}\n",
+                       child.name(),
+                       lines.size() - kMost,
+                       child.log_file().string());
+    }
+}
+
 Expected<void> Demo::measure(std::stop_token stop) {
     board_.begin_report();
     display_.leave();
+    print_doubts();
     fmt::print("{}\n", kLegend);
     const auto begin = Clock::now();
     startup_seconds_ = std::chrono::duration<double>(begin - started_).count();

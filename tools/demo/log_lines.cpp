@@ -1,6 +1,7 @@
 #include "tools/demo/log_lines.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 namespace atrium::demo {
@@ -60,6 +61,22 @@ std::string last_problem(std::string_view log, bool with_warnings) {
     });
     if (!error.empty()) return std::string(error);
     return with_warnings ? std::string(warning) : std::string();
+}
+
+std::vector<std::string> doubts(std::string_view log) {
+    std::vector<std::string> lines;
+    each_from_the_end(log, [&](const LogLine& line) {
+        const std::string_view event = line.text.substr(0, line.text.find(' '));
+        const bool is_doubt = std::ranges::any_of(
+            std::array<std::string_view, 3>{"_looks_wrong", "_not_drawn", "_missing"},
+            [&](std::string_view end) { return event.ends_with(end); });
+        if (line.weight == Weight::kWarning && is_doubt &&
+            std::ranges::find(lines, line.text) == lines.end())
+            lines.emplace_back(line.text);
+        return true;
+    });
+    std::ranges::reverse(lines);
+    return lines;
 }
 
 std::optional<int> rendering_percent(std::string_view log) {

@@ -142,4 +142,13 @@ Expected<std::vector<DemoSite>> check_start(const DemoConfig& config) {
     return sites;
 }
 
+fs::path models_for_viewer(const DemoConfig& config) {
+    auto viewer = config::TableReader::load(config.viewer);
+    auto world = config::TableReader::load(config.world);
+    if (!viewer || !world || viewer->has("viewer.models")) return {};
+    fs::path models = world->folder().empty() ? "." : world->folder();
+    world->read("world.models", models);
+    return models;
+}
+
 }  // namespace atrium::demo

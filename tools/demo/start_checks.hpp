@@ -23,4 +23,8 @@ std::vector<std::string> split_list(const std::string& list);
 /// and the programs.
 Expected<std::vector<DemoSite>> check_start(const DemoConfig& config);
 
+/// Folder of the world's models and textures, which the viewer needs too: world.models of the world
+/// file, or the folder of that file. Empty if the viewer's file names one, or a file is not read.
+std::filesystem::path models_for_viewer(const DemoConfig& config);
+
 }  // namespace atrium::demo

@@ -49,6 +49,14 @@ double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& ob
     return local_distance_m(object.world_from_object.inverse() * place_m, object);
 }
 
+bool touch(const geometry::Aabb& a, const geometry::Aabb& b) {
+    return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
+}
+
+const char* place_of(const WorldObject& object) {
+    return object.look.model.empty() ? "its middle" : "its file's origin";
+}
+
 // A cheap test: most objects are far apart, and the exact one builds collision shapes.
 bool may_overlap(const geometry::Aabb& box, const WorldObject& object) {
     if (is_plane(object)) {
@@ -57,9 +65,7 @@ bool may_overlap(const geometry::Aabb& box, const WorldObject& object) {
         const double reach_m = 0.5 * normal.cwiseAbs().dot(box.size());
         return normal.dot(box.centre() - world_from_plane.translation) < reach_m;
     }
-    const geometry::Aabb other = start_box_of(object.rigid);
-    return (box.min.array() <= other.max.array()).all() &&
-           (other.min.array() <= box.max.array()).all();
+    return touch(box, start_box_of(object.rigid));
 }
 
 bool pass_through(const WorldDescription& world, std::uint32_t a, std::uint32_t b) {
@@ -91,9 +97,51 @@ void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines)
                             depth_m,
                             other.name,
                             is_fixed ? "is fixed" : "throws both apart",
-                            object.look.model.empty() ? "its middle" : "its file's origin"));
+                            place_of(object)));
             break;
         }
+    }
+}
+
+void doubt_in_scenery(const WorldDescription& world, std::vector<std::string>& lines) {
+    for (const WorldScenery& scenery : world.scenery) {
+        if (!scenery.is_solid) continue;
+        geometry::Aabb around;
+        for (const Eigen::Vector3d& vertex : scenery.mesh.vertices) around.add(vertex);
+        for (const WorldObject& object : world.objects) {
+            if (object.rigid.mass_kg == 0.0 || is_plane(object)) continue;
+            const physics::RigidObject moving = to_rigid(object);
+            if (!touch(start_box_of(moving), around)) continue;
+            const double depth_m = physics::overlap_m(moving, scenery.mesh);
+            if (depth_m <= kDeepRigid_m) continue;
+            lines.push_back(
+                fmt::format("object_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which "
+                            "is solid scenery: move it with position_m, the place of {}\"",
+                            object.name,
+                            depth_m,
+                            scenery.name,
+                            place_of(object)));
+        }
+    }
+}
+
+// A moving object that starts outside is an error.
+void doubt_outside(const WorldDescription& world, std::vector<std::string>& lines) {
+    const geometry::Aabb bounds = box_of(world.world);
+    const auto outside =
+        fmt::format("is outside the world's bounds, [{}] to [{}]; places are metres",
+                    fmt::join(bounds.min, ", "),
+                    fmt::join(bounds.max, ", "));
+    for (const WorldObject& object : world.objects) {
+        if (object.rigid.mass_kg != 0.0 || is_plane(object)) continue;
+        if (touch(start_box_of(to_rigid(object)), bounds)) continue;
+        lines.push_back(
+            fmt::format("object_looks_wrong name={} reason=\"it {}\"", object.name, outside));
+    }
+    for (const NamedPlacement& site : world.placements) {
+        if (bounds.contains(site.world_from_site.translation)) continue;
+        lines.push_back(
+            fmt::format("site_looks_wrong name={} reason=\"its place {}\"", site.site, outside));
     }
 }
 
@@ -130,6 +178,8 @@ geometry::Aabb start_box_of(const physics::RigidObject& object) {
 
 void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines) {
     doubt_rigid(world, lines);
+    doubt_in_scenery(world, lines);
+    doubt_outside(world, lines);
     doubt_soft(world, lines);
 }
 

@@ -11,8 +11,9 @@ namespace atrium::world_server {
 /// Returns the bounding box of an object at its start, in the world; a plane's is infinite.
 geometry::Aabb start_box_of(const physics::RigidObject& object);
 
-/// Adds a line for each moving or soft object that starts inside a plane or another fixed object,
-/// unless a joint without `collide` connects the two. Solid scenery does not count.
+/// Adds a line for each moving or soft object that starts inside another object, unless a joint
+/// without `collide` connects the two; for each moving one in the surface of solid scenery; and for
+/// each fixed object and each site outside the world's bounds.
 void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines);
 
 /// Adds a line for each hinge or ball between two objects that is far from both of them.

@@ -96,6 +96,23 @@ double overlap_m(const RigidObject& moving, const RigidObject& other) {
     return deepest_m;
 }
 
+double overlap_m(const RigidObject& moving, const geometry::TriangleMesh& scenery) {
+    CollisionShape shape(moving);
+    double deepest_m = 0.0;
+    for_each_convex(
+        shape.shape(), world_from_body(moving, shape), [&](const auto& part, const auto& pose) {
+            for (const auto& corners : scenery.triangles) {
+                btTriangleShape triangle(to_bullet(scenery.vertices[corners[0]]),
+                                         to_bullet(scenery.vertices[corners[1]]),
+                                         to_bullet(scenery.vertices[corners[2]]));
+                triangle.setMargin(0);
+                deepest_m = std::max(
+                    deepest_m, depth_in_convex(part, pose, triangle, btTransform::getIdentity()));
+            }
+        });
+    return deepest_m;
+}
+
 double overlap_m(const SoftObject& soft, const RigidObject& fixed) {
     CollisionShape fixed_shape(fixed);
     const btTransform fixed_from_world = world_from_body(fixed, fixed_shape).inverse();

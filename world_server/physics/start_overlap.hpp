@@ -9,6 +9,9 @@ namespace atrium::physics {
 /// overlap. `moving` is no plane. `find_problem` must be empty for both.
 double overlap_m(const RigidObject& moving, const RigidObject& other);
 
+/// Like above, out of each triangle of solid scenery, in the world.
+double overlap_m(const RigidObject& moving, const geometry::TriangleMesh& scenery);
+
 /// Like above, for the deepest node of a soft object. Nodes that a pin holds do not count.
 double overlap_m(const SoftObject& soft, const RigidObject& fixed);
 

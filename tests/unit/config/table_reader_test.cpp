@@ -224,6 +224,12 @@ TEST(TableReader, ShowsALineThatIsNotTomlAndSaysHowToWriteIt) {
                 AllOf(HasSubstr("room.toml:1"), HasSubstr("a table is written [name]")));
     EXPECT_THAT(error_of("threads: 2\n"), HasSubstr("a value is written key = value"));
     EXPECT_THAT(error_of(std::string("\xFF\xFE[\0h\0", 6)), HasSubstr("not a text file in UTF-8"));
+    for (const char* text : {"a = 1\n# Gr\xFC\xDF"
+                             "e\n",
+                             "a = 1\n# \xC3",
+                             "a = 1\nb = \"\xE2\x82\"\n"})
+        EXPECT_THAT(error_of(text), HasSubstr(":2: a letter is not in UTF-8"));
+    EXPECT_THAT(error_of("# Gr\u00FC\u00DFe \u20AC \U0001F600\n"), Not(HasSubstr("UTF-8")));
     EXPECT_LT(error_of("threads = \"" + std::string(1000, 'x')).size(), 300u);
 }
 

@@ -135,6 +135,29 @@ TEST_F(DemoFolder, ReadsTheSitesAndNamesWhatIsMissing) {
     EXPECT_THAT(error_of([](DemoConfig& c) { c.programs = "/no"; }), HasSubstr("make programs"));
 }
 
+TEST_F(DemoFolder, GivesTheViewerTheModelsOfTheWorld) {
+    fs::create_directories(folder_ / "own");
+    DemoConfig config;
+    config.world = folder_ / "own" / "world.toml";
+    config.viewer = folder_ / "viewer.toml";
+    EXPECT_EQ(models_for_viewer(config), "") << "neither file is there";
+    write(config.world, "");
+    write(config.viewer, "");
+    EXPECT_EQ(models_for_viewer(config), folder_ / "own");
+    write(config.world, "[world]\nmodels = \"parts\"\n");
+    EXPECT_EQ(models_for_viewer(config), folder_ / "own" / "parts");
+    write(config.viewer, "[viewer]\nmodels = \"mine\"\n");
+    EXPECT_EQ(models_for_viewer(config), "") << "the viewer's file says more";
+}
+
+TEST(DemoLogs, FindsDoubtsAboutFiles) {
+    const std::string line = "2026-01-01T00:00:00.000Z warning world_server ";
+    EXPECT_THAT(doubts(line + "object_looks_wrong name=b\n" + line + "late 3\n" + line +
+                       "texture_missing t.png\n" + line + "object_looks_wrong name=b\n"),
+                ElementsAre("texture_missing t.png", "object_looks_wrong name=b"));
+    EXPECT_THAT(doubts("2026-01-01T00:00:00.000Z info viewer model_missing m\n"), IsEmpty());
+}
+
 TEST(DemoSites, SplitsAList) {
     EXPECT_THAT(split_list("alice, bob ,,"), ElementsAre("alice", "bob"));
 }
