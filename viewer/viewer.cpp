@@ -267,7 +267,7 @@ Expected<void> Viewer::Impl::adapt_quality(Clock::duration busy, Clock::time_poi
 void Viewer::Impl::update_status(Clock::time_point now) {
     hud.num_video_dropped = output_files.num_dropped();
     hud.missing_file = picture.scene.missing_file();
-    statistics.set_worlds_meant(membership.worlds_meant());
+    hud.other_worlds = membership.other_worlds();
     statistics.update(
         now, *session, picture.people, picture.scene.site_names(), drawing->quality(), hud);
     hud.left = departed.update(hud.sites, now);

@@ -34,6 +34,12 @@ struct NetworkReport {
     std::vector<std::string> warnings;  // each says what to do
 };
 
+/// Worlds of which programs were seen, other than this process's.
+struct OtherWorlds {
+    std::vector<std::string> heard;
+    std::vector<std::string> meant;  // those whose names are near this one's
+};
+
 /// Joins this process to one world. Movable; its Readers and Writers keep it alive.
 class Participant {
 public:
@@ -54,8 +60,8 @@ public:
     /// worlds of which `take_mismatches` saw programs: "other_worlds=studio,lab". If this world's
     /// name may be a misspelling of one of them, also "did_you_mean=studio". Thread-safe.
     std::string place() const;
-    /// Worlds of which programs were seen and whose names are near this one's. Thread-safe.
-    std::vector<std::string> worlds_meant() const;
+    /// Thread-safe.
+    OtherWorlds other_worlds() const;
 
     struct Impl;
     const std::shared_ptr<Impl>& impl() const { return impl_; }

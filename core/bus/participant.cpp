@@ -137,14 +137,15 @@ std::vector<std::string> Participant::take_dds_log() const {
     return DdsLog::of_process().take(DdsLog::Clock::now());
 }
 
-std::vector<std::string> Participant::worlds_meant() const {
-    return config::names_meant_by(impl_->world, impl_->peers.other_worlds());
+OtherWorlds Participant::other_worlds() const {
+    OtherWorlds others{impl_->peers.other_worlds(), {}};
+    others.meant = config::names_meant_by(impl_->world, others.heard);
+    return others;
 }
 
 std::string Participant::place() const {
-    const std::vector<std::string> others = impl_->peers.other_worlds();
+    const auto [others, meant] = other_worlds();
     if (others.empty()) return impl_->place;
-    const std::vector<std::string> meant = worlds_meant();
     return fmt::format("{} other_worlds={}{}{}",
                        impl_->place,
                        fmt::join(others, ","),

@@ -256,8 +256,6 @@ std::vector<Presence> Membership::present() const {
 
 std::string Membership::place() const { return impl_->participant.place(); }
 
-std::vector<std::string> Membership::worlds_meant() const {
-    return impl_->participant.worlds_meant();
-}
+bus::OtherWorlds Membership::other_worlds() const { return impl_->participant.other_worlds(); }
 
 }  // namespace atrium::presence

@@ -45,8 +45,8 @@ public:
     std::vector<bus::Presence> present() const;
     /// Returns bus::Participant::place. Thread-safe.
     std::string place() const;
-    /// As bus::Participant::worlds_meant. Thread-safe.
-    std::vector<std::string> worlds_meant() const;
+    /// As bus::Participant::other_worlds. Thread-safe.
+    bus::OtherWorlds other_worlds() const;
 
 private:
     struct Impl;

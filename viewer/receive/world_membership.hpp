@@ -27,8 +27,8 @@ public:
     Expected<void> check_name() const;
     /// As bus::Participant::place.
     std::string place() const { return membership_->place(); }
-    /// As bus::Participant::worlds_meant.
-    std::vector<std::string> worlds_meant() const { return membership_->worlds_meant(); }
+    /// As bus::Participant::other_worlds.
+    bus::OtherWorlds other_worlds() const { return membership_->other_worlds(); }
     /// Names of the sites that are present, without those in `known`.
     std::vector<std::string> sites_other_than(const std::set<std::string>& known) const;
     /// Whether a world server or a site was there.

@@ -5,6 +5,9 @@
 #include "core/model/model_file.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -15,6 +18,15 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxFiles = 2000;  // in the list
 constexpr std::size_t kMaxLooked = 50'000;
 constexpr int kMaxDepth = 6;
+
+// A model that other programs read.
+bool is_other_model(const fs::path& file) {
+    constexpr std::array<std::string_view, 10> kEndings{
+        ".fbx", ".dae", ".blend", ".3ds", ".usd", ".usda", ".usdc", ".usdz", ".step", ".stp"};
+    std::string ending = file.extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    return std::ranges::find(kEndings, ending) != kEndings.end();
+}
 
 }  // namespace
 
@@ -35,9 +47,17 @@ std::vector<ModelEntry> ModelFolder::list_of(const fs::path& folder) {
          entry.increment(failure)) {
         if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
         std::error_code ignored;
-        if (!entry->is_regular_file(ignored) || !model::is_model_name(entry->path())) continue;
+        if (!entry->is_regular_file(ignored)) continue;
+        const bool is_other = is_other_model(entry->path());
+        if (!is_other && !model::is_model_name(entry->path())) continue;
         const std::string file = entry->path().lexically_relative(folder).generic_string();
-        if (bus::is_valid_model_file(file)) list.push_back({file, entry->file_size(ignored)});
+        if (file.starts_with('.') || file.find("/.") != std::string::npos) continue;  // hidden
+        std::string problem;
+        if (is_other)
+            problem = "export it as .glb";
+        else if (!bus::is_valid_model_file(file))
+            problem = "rename it: A-Z a-z 0-9 _ . - only";
+        list.push_back({file, entry->file_size(ignored), std::move(problem)});
     }
     std::sort(
         list.begin(), list.end(), [](const auto& a, const auto& b) { return a.file < b.file; });

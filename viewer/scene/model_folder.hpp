@@ -18,6 +18,7 @@ namespace atrium::viewer {
 struct ModelEntry {
     std::string file;  // relative to the folder
     std::uintmax_t bytes = 0;
+    std::string problem;  // why it cannot be added; empty: it can
 };
 struct ModelSize {
     Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // extents along x, y, z

@@ -6,6 +6,7 @@
 #include "viewer/ui/ui_scale.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -48,7 +49,10 @@ void draw_sites(const HudContent& content) {
             num_sites == 0
                 ? "nobody is here"
                 : fmt::format("{} {}, no people yet", num_sites, num_sites == 1 ? "site" : "sites");
-        draw_wrapped(who + (content.has_other_worlds ? "   Backspace: other worlds" : ""));
+        const auto& heard = content.other_worlds.heard;
+        const std::string others =
+            heard.empty() ? "" : fmt::format(" ({})", fmt::join(heard, ", "));
+        draw_wrapped(who + (content.has_other_worlds ? "   Backspace: other worlds" + others : ""));
     }
     if (!content.left.empty()) draw_warning(content.left);
     const auto num_hidden =

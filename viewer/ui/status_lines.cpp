@@ -68,10 +68,13 @@ bool StatusLines::watch_world(Clock::time_point now,
 
 std::vector<HudLine> StatusLines::warnings() const {
     std::vector<HudLine> lines;
-    const std::string meant = worlds_meant_.empty()
-                                  ? ""
-                                  : fmt::format(". Did you mean {}? Backspace: other worlds",
-                                                fmt::join(worlds_meant_, ", "));
+    const auto& [heard, near] = other_worlds_;
+    std::string meant;
+    if (!near.empty())
+        meant = fmt::format(". Did you mean {}?", fmt::join(near, ", "));
+    else if (!heard.empty())
+        meant = fmt::format(". Heard elsewhere: {}.", fmt::join(heard, ", "));
+    if (!meant.empty()) meant += " Backspace: other worlds";
     if (is_world_missing_)
         lines.push_back({"no world server in this world: no objects" + meant, true});
     if (without_world_ > Clock::duration::zero()) {

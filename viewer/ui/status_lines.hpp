@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/bus/bus.hpp"
 #include "core/status/figures.hpp"
 #include "viewer/scene/people_view.hpp"
 
@@ -40,8 +41,8 @@ public:
     bool watch_world(Clock::time_point now,
                      const std::optional<Clock::time_point>& heard = {},
                      const std::optional<Clock::time_point>& lost = {});
-    /// Worlds whose names may be meant instead of this one, for the warning that it has no server.
-    void set_worlds_meant(std::vector<std::string> names) { worlds_meant_ = std::move(names); }
+    /// Worlds that may be meant instead of this one, for the warning that it has no server.
+    void set_other_worlds(bus::OtherWorlds worlds) { other_worlds_ = std::move(worlds); }
 
     /// One line for each program that lost something between its last two reports, one per
     /// bottleneck, and one while no world reports.
@@ -68,7 +69,7 @@ private:
     Clock::duration without_world_{};              // 0 while there is a world, and before the first
     std::optional<Clock::time_point> watched_since_;
     bool is_world_missing_ = false;  // none was ever heard
-    std::vector<std::string> worlds_meant_;
+    bus::OtherWorlds other_worlds_;
 };
 
 }  // namespace atrium::viewer

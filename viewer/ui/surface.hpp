@@ -57,6 +57,7 @@ struct HudContent {
     std::vector<SiteLine> sites;  // by name
     std::vector<ViewpointLine> viewpoints;
     bool has_other_worlds = false;  // the user may go back to the list of worlds
+    bus::OtherWorlds other_worlds;
     std::string inside;             // person through whose eyes the user looks; empty: nobody
     std::string followed;           // person that the viewpoint follows; empty: nobody
     std::vector<HudLine> warnings;  // from the status reports of sites and worlds

@@ -59,6 +59,7 @@ void ViewerStatistics::update(Clock::time_point now,
     for (const auto& [world, report] : came.worlds) reports_.add(world, report, now);
     reports_.add_own(next, now);
     reports_.forget_silent(now);
+    reports_.set_other_worlds(hud.other_worlds);
     watch_world(now, session, hud);
     hud.sites = site_lines(people.streams(now), described, reports_);
     hud.warnings = reports_.warnings();

@@ -49,10 +49,6 @@ public:
         if (reports_.watch_world(now, session.world_heard(), session.world_lost()))
             hud.warnings = reports_.warnings();
     }
-    /// Names worlds that may be meant, if this one turns out to have no server.
-    void set_worlds_meant(std::vector<std::string> names) {
-        reports_.set_worlds_meant(std::move(names));
-    }
     /// Status at the last `update`. Any thread.
     bus::ViewerStatus status() const;
     /// Answers of the world servers, for SceneEditor.

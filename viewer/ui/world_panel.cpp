@@ -104,6 +104,10 @@ void WorldPanel::draw_models(const HudContent& content, SurfaceEvents& events) {
              content.models ? *content.models : std::vector<ModelEntry>{}) {
             if (lower(entry.file).find(filter) == std::string::npos) continue;
             has_any = true;
+            if (!entry.problem.empty()) {
+                ImGui::TextDisabled("%s: %s", entry.file.c_str(), entry.problem.c_str());
+                continue;
+            }
             if (ImGui::Selectable(entry.file.c_str(), entry.file == model_)) {
                 model_ = entry.file;
                 frames_to_show_ = kFramesToShow;

@@ -5,6 +5,7 @@
 #include "world_server/physics/rigid/shape_distance.hpp"
 #include "world_server/physics/soft/soft_mesh.hpp"
 
+#include <BulletCollision/CollisionShapes/btTriangleShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 #include <btBulletCollisionCommon.h>
 

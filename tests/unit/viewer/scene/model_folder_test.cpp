@@ -26,6 +26,7 @@ TEST(ModelFolder, ListsModelsOfAllFoldersAndMeasuresThem) {
     put("models/deep/broken.obj", "v 0 0 0\nf 1 2 900\n");
     put("models/paint.png", "a picture");
     put("models/a name.obj", "");
+    put("scene.FBX", "");
     put(".hidden/secret.obj", "");
     ModelFolder folder(root);
     EXPECT_EQ(folder.list(), nullptr);
@@ -34,10 +35,15 @@ TEST(ModelFolder, ListsModelsOfAllFoldersAndMeasuresThem) {
         folder.update();
         return folder.list() != nullptr;
     }));
-    ASSERT_EQ(folder.list()->size(), 2U) << "only names that the bus allows";
-    EXPECT_EQ(folder.list()->at(0).file, "models/deep/broken.obj");
-    EXPECT_EQ(folder.list()->at(1).file, "models/tetra.obj");
-    for (const ModelEntry& entry : *folder.list()) folder.measure(entry.file);
+    std::map<std::string, std::string> problems;
+    for (const ModelEntry& entry : *folder.list()) problems[entry.file] = entry.problem;
+    EXPECT_THAT(
+        problems,
+        testing::ElementsAre(testing::Pair("models/a name.obj", testing::HasSubstr("rename it")),
+                             testing::Pair("models/deep/broken.obj", ""),
+                             testing::Pair("models/tetra.obj", ""),
+                             testing::Pair("scene.FBX", "export it as .glb")));
+    for (const char* file : {"models/tetra.obj", "models/deep/broken.obj"}) folder.measure(file);
     ASSERT_TRUE(test_support::comes_true([&] {
         folder.update();
         return folder.size_of("models/tetra.obj") && folder.size_of("models/deep/broken.obj");
@@ -53,9 +59,9 @@ TEST(ModelFolder, ListsModelsOfAllFoldersAndMeasuresThem) {
         folder.update();
         return folder.list()->size();
     };
-    EXPECT_EQ(update(true), 2U) << "still the same list";
+    EXPECT_EQ(update(true), 4U) << "still the same list";
     update(false);
-    EXPECT_TRUE(test_support::comes_true([&] { return update(true) == 1U; })) << "read anew";
+    EXPECT_TRUE(test_support::comes_true([&] { return update(true) == 3U; })) << "read anew";
     fs::remove_all(root);
 }
 

@@ -90,7 +90,7 @@ TEST(StatusLines, WarnAtOnceIfTheObjectsLoseTheirWriter) {
     EXPECT_FALSE(lines.has_world());
     EXPECT_THAT(texts(lines.warnings()),
                 testing::ElementsAre("no world server: objects stand still or are gone"));
-    lines.set_worlds_meant({"evening"});
+    lines.set_other_worlds({.heard = {"evening", "lab"}, .meant = {"evening"}});
     EXPECT_FALSE(lines.watch_world(lost + seconds(2), kFirstLine, lost));
     EXPECT_THAT(texts(lines.warnings()),
                 testing::ElementsAre("no world server for 2 s: objects stand still or are gone. "
@@ -102,12 +102,17 @@ TEST(StatusLines, WarnAtOnceIfTheObjectsLoseTheirWriter) {
 
 TEST(StatusLines, NameTheWorldThatIsMeantInsteadOfAnEmptyOne) {
     StatusLines lines;
-    lines.set_worlds_meant({"evening", "eventing"});
+    const std::vector<std::string> near{"evening", "eventing"};
+    lines.set_other_worlds({.heard = near, .meant = near});
     lines.watch_world(kFirstLine);
     lines.watch_world(kFirstLine + seconds(5));
     EXPECT_THAT(texts(lines.warnings()),
                 testing::ElementsAre("no world server in this world: no objects. Did you mean "
                                      "evening, eventing? Backspace: other worlds"));
+    lines.set_other_worlds({.heard = {"lab"}, .meant = {}});
+    EXPECT_THAT(texts(lines.warnings()),
+                testing::ElementsAre("no world server in this world: no objects. Heard elsewhere: "
+                                     "lab. Backspace: other worlds"));
 }
 
 TEST(StatusLines, WarnOfLossesSinceThePreviousReport) {
