@@ -66,12 +66,13 @@ void draw_measured(const ModelSize* size, double scale) {
     if (!size->error.empty()) return draw_wrapped(size->error);
     const Eigen::Vector3d scaled = scale * size->size_m;
     draw_preview_picture(size->preview);
-    ImGui::TextWrapped("%.2f x %.2f x %.2f m, %zu triangles, %zu parts",
+    ImGui::TextWrapped("%.2f x %.2f x %.2f m, %zu triangles, %zu part%s",
                        scaled.x(),
                        scaled.y(),
                        scaled.z(),
                        size->num_triangles,
-                       size->num_parts);
+                       size->num_parts,
+                       size->num_parts == 1 ? "" : "s");
     if (scaled.maxCoeff() <= kLargestUsual_m) return;
     const double in_cm_m = 0.01 * scaled.maxCoeff();
     ImGui::TextColored(kHintColour,

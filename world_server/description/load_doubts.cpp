@@ -112,6 +112,7 @@ void doubt_stacks(const WorldDescription& world, double tick_hz, std::vector<std
         for (Layer* lower : below) {
             const double num = static_cast<double>(below.size());
             lower->load.add((rigid.mass_kg + upper.load.mass_kg) / num, upper.object);
+            if (upper.load.heaviest != nullptr) lower->load.add(0.0, upper.load.heaviest);
         }
         if (upper.load.heaviest != nullptr)
             doubt(

@@ -7,11 +7,15 @@
 namespace atrium::world_server {
 namespace {
 
+constexpr const char* kAllowed =
+    "must be \"everyone\", \"nobody\" or a list of viewers' names, [\"host\"]";
+
 void read_right(config::TableReader& reader, const std::string& key, Right& right) {
     if (!reader.has(key)) return;
     if (!reader.has_array(key)) {
         std::string who;
-        reader.read(key, who, {"everyone", "nobody"});
+        reader.read(key, who);
+        if (who != "everyone" && who != "nobody") reader.reject(key, kAllowed);
         right = {who == "everyone", {}};
         return;
     }
@@ -19,7 +23,7 @@ void read_right(config::TableReader& reader, const std::string& key, Right& righ
     right.everyone = std::ranges::find(right.names, "everyone") != right.names.end();
     for (const std::string& name : right.names) {
         if (!bus::is_valid_name(name)) {
-            reader.reject(key, "must be \"everyone\", \"nobody\" or a list of senders' names");
+            reader.reject(key, kAllowed);
         }
     }
 }

@@ -345,6 +345,9 @@ TEST_F(WorldDoubts, NameSomethingLightThatCarriesSomethingHeavy) {
                               "times as much; the heaviest is c with 60 kg: it slides or falls "
                               "above 100 times at world.tick_hz = 120"),
                     HasSubstr("make b at least 0.63 kg, or run with world.tick_hz = 240"))));
+    EXPECT_THAT(
+        doubts(tower(0.5, 2) + box("d", 60, "position_m = [0, 0, 1.4]")),
+        ElementsAre(HasSubstr("carry 62 kg, 124 times as much; the heaviest is d with 60")));
     EXPECT_THAT(doubts("[world]\ntick_hz = 240.0\n" + tower(0.5, 60)), IsEmpty());
     EXPECT_THAT(doubts(tower(0.5, 60, 1.1)), IsEmpty()) << "the top is in the air";
     EXPECT_THAT(doubts(tower(0.5, 60) + box("d", 0, "position_m = [0.38, 0, 0.6]")), IsEmpty())

@@ -62,7 +62,8 @@ TEST(Rights, EveryoneInAListIsEveryone) {
 
 TEST(Rights, NameErrors) {
     EXPECT_THAT(read("[rights]\nadd = 'some'").error().message, HasSubstr("world.toml:2"));
-    EXPECT_THAT(read("[rights]\nadd = ['a b']").error().message, HasSubstr("senders' names"));
+    EXPECT_THAT(read("[rights]\nadd = ['a b']").error().message, HasSubstr("viewers' names"));
+    EXPECT_THAT(read("[rights]\nadd = 'host'").error().message, HasSubstr("[\"host\"]"));
     EXPECT_FALSE(read("[rights]\nadd = [1]"));
     EXPECT_FALSE(read("[rights]\nadd = 1"));
     EXPECT_THAT(read("[rights]\nfly = 'nobody'").error().message, HasSubstr("fly"));
