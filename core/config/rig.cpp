@@ -126,7 +126,7 @@ std::optional<Error> find_foreign(const std::filesystem::path& path) {
             ErrorKind::kNotFound,
             fmt::format(
                 "{}: this folder has no rig.toml, so it is no recording of Atrium; pictures of "
-                "another tool become one with `calibrate import CALIBRATION --recording {} -o "
+                "another tool become one with `calibrate import CALIBRATION --recording '{}' -o "
                 "NEW_FOLDER`",
                 path.string(),
                 path.string())};
@@ -135,7 +135,7 @@ std::optional<Error> find_foreign(const std::filesystem::path& path) {
     if (std::ranges::find(kForeign, path.extension()) == kForeign.end()) return std::nullopt;
     return Error{ErrorKind::kConfiguration,
                  fmt::format("{}: a rig is a .toml file; the calibration of another tool becomes "
-                             "one with `calibrate import {} -o rig.toml`",
+                             "one with `calibrate import '{}' -o rig.toml`",
                              path.string(),
                              path.string())};
 }

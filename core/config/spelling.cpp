@@ -141,7 +141,7 @@ std::string must_be_one_of(const std::vector<std::string>& choices, std::string_
     for (const std::string& choice : choices)
         text.append(text.empty() ? "must be one of " : ", ").append(choice);
     const std::string question = ask_which(names_meant_by(written, choices));
-    return question.empty() ? text : text + "; " + question;
+    return question.empty() ? text : text + " (" + question + ")";
 }
 
 std::string ask_which_path(const std::filesystem::path& missing) {

@@ -21,7 +21,7 @@ std::vector<std::string> names_meant_by(std::string_view written,
 /// Returns "did you mean A or B?", or nothing if `names` is empty. `before` precedes each name.
 std::string ask_which(const std::vector<std::string>& names, std::string_view before = "");
 
-/// Returns "must be one of A, B; did you mean B?" for a `written` that is none of the choices.
+/// Returns "must be one of A, B (did you mean B?)" for a `written` that is none of the choices.
 std::string must_be_one_of(const std::vector<std::string>& choices, std::string_view written);
 
 /// For a path that does not exist: finds files and folders beside its first missing part whose

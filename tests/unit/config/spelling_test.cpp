@@ -49,7 +49,7 @@ TEST(Spelling, TakesASizeForWidthAndHeight) {
 TEST(Spelling, FindsNamesWithoutTheirUnit) {
     EXPECT_THAT(names_meant_by("capture.rate", kKeys), ElementsAre("capture.rate_hz"));
     EXPECT_EQ(must_be_one_of({"wood", "stone"}, "wod"),
-              "must be one of wood, stone; did you mean wood?");
+              "must be one of wood, stone (did you mean wood?)");
     EXPECT_EQ(must_be_one_of({"wood", "stone"}, "air"), "must be one of wood, stone");
     EXPECT_THAT(names_meant_by("capture.rate_fps", kKeys), ElementsAre("capture.rate_hz"));
     EXPECT_THAT(names_meant_by("limits_rad", {"limits_deg", "limits_m"}),
