@@ -86,7 +86,7 @@ TEST(LoadRig, SaysHowToImportWhatOtherToolsWrote) {
     namespace fs = std::filesystem;
     const fs::path folder = fs::path(testing::TempDir()) / "pictures_of_another_tool";
     fs::create_directories(folder / "cam1");
-    const std::string import = "calibrate import CALIBRATION --recording " + folder.string();
+    const std::string import = "calibrate import CALIBRATION --recording '" + folder.string() + "'";
     EXPECT_THAT(load_rig(folder).error().message,
                 AllOf(HasSubstr("no rig.toml"), HasSubstr(import)));
     std::ofstream(folder / "extri.yml") << "%YAML:1.0\n";
