@@ -91,7 +91,7 @@ TEST(LoadRig, SaysHowToImportWhatOtherToolsWrote) {
                 AllOf(HasSubstr("no rig.toml"), HasSubstr(import)));
     std::ofstream(folder / "extri.yml") << "%YAML:1.0\n";
     EXPECT_THAT(load_rig(folder / "extri.yml").error().message,
-                HasSubstr("`calibrate import " + (folder / "extri.yml").string()));
+                HasSubstr("`calibrate import '" + (folder / "extri.yml").string()));
 }
 
 TEST(LoadRig, RefusesMirroredRotations) {
