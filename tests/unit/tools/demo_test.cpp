@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 std::string log_line(const std::string& level, const std::string& text) {
     return "2026-11-24T18:56:42.118 " + level + " site_node " + text + "\n";
@@ -151,11 +152,11 @@ TEST_F(DemoFolder, GivesTheViewerTheModelsOfTheWorld) {
 }
 
 TEST(DemoLogs, FindsDoubtsAboutFiles) {
-    const std::string line = "2026-01-01T00:00:00.000Z warning world_server ";
-    EXPECT_THAT(doubts(line + "object_looks_wrong name=b\n" + line + "late 3\n" + line +
-                       "texture_missing t.png\n" + line + "object_looks_wrong name=b\n"),
+    const auto warning = [](const std::string& text) { return log_line("warning", text); };
+    EXPECT_THAT(doubts(warning("object_looks_wrong name=b") + warning("late 3") +
+                       warning("texture_missing t.png") + warning("object_looks_wrong name=b")),
                 ElementsAre("texture_missing t.png", "object_looks_wrong name=b"));
-    EXPECT_THAT(doubts("2026-01-01T00:00:00.000Z info viewer model_missing m\n"), IsEmpty());
+    EXPECT_THAT(doubts(log_line("info", "model_missing m")), IsEmpty());
 }
 
 TEST(DemoSites, SplitsAList) {
