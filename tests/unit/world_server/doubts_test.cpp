@@ -1,53 +1,17 @@
-#include "world_server/description/doubts.hpp"
-
-#include "tests/support/world/load_world.hpp"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
+#include "tests/unit/world_server/world_doubts.hpp"
 
 namespace atrium::world_server {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-constexpr const char* kPainted =
-    "mtllib paint.mtl\nusemtl paint\nv 0 0 0\nv 0.9 0 0\nv 0 0.9 0\nv 0 0 0.9\n"
-    "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 constexpr const char* kRock =
     "[[object]]\nname = \"rock\"\nshape = \"convex\"\nmodel = \"rock.obj\"\nmass_kg = 50\n"
     "position_m = [0, 0, 0]\n";
-
-class WorldDoubts : public testing::Test {
-protected:
-    WorldDoubts() : folder_(fs::path(testing::TempDir()) / "world_doubts") {
-        fs::create_directories(folder_);
-        put("rock.obj", kPainted);
-        put("paint.mtl", "newmtl paint\nKd 0.2 0.5 0.3\nmap_Kd stone.png\n");
-        put("own.png", "any bytes: only viewers look inside");
-    }
-    ~WorldDoubts() override { fs::remove_all(folder_); }
-
-    void put(const std::string& name, const std::string& text) const {
-        std::ofstream(folder_ / name) << text;
-    }
-    std::vector<std::string> doubts(const std::string& text) const {
-        put("world.toml", text);
-        const auto config = test_support::load_world(folder_ / "world.toml");
-        EXPECT_TRUE(config) << config.error().message;
-        return config ? doubts_about(*config, config->tick_hz)
-                      : std::vector<std::string>{"not read"};
-    }
-
-    fs::path folder_;
-};
 
 TEST_F(WorldDoubts, NameATextureOfAModelFileThatIsNotDrawn) {
     EXPECT_THAT(doubts(kRock),
@@ -158,13 +122,6 @@ TEST_F(WorldDoubts, NameASoftModelOfLargeTriangles) {
     EXPECT_THAT(doubts(soft + "scale = 0.1\n"), IsEmpty());
 }
 
-constexpr const char* kFloor = "[[object]]\nname = \"floor\"\nshape = \"plane\"\n";
-
-std::string box(const std::string& name, double mass_kg, const std::string& rest) {
-    return "[[object]]\nname = \"" + name + "\"\nshape = \"box\"\nsize_m = [0.4, 0.4, 0.4]\n" +
-           "mass_kg = " + std::to_string(mass_kg) + "\n" + rest + "\n";
-}
-
 TEST_F(WorldDoubts, NameAJointFarFromBothObjects) {
     const std::string two = box("gate", 1, "position_m = [0, 0, 1]") +
                             box("post", 0, "position_m = [1, 0, 1]") + "[[joint]]\na = \"gate\"\n";
@@ -256,153 +213,6 @@ TEST_F(WorldDoubts, NameLimitsOfAHingeInRadians) {
     EXPECT_THAT(doubts(hinge + "limits_deg = [0, 3.2]\n"), ElementsAre(HasSubstr("0 to 183")));
     EXPECT_THAT(doubts(hinge + "limits_deg = [0, 0]\n"), IsEmpty()) << "held on purpose";
     EXPECT_THAT(doubts(hinge + "limits_deg = [-1, 5]\n"), IsEmpty());
-}
-
-TEST_F(WorldDoubts, NameAnObjectThatStartsInsideAFixedOne) {
-    EXPECT_THAT(doubts(kFloor + box("b", 1, "position_m = [0, 0, 0.16]")), IsEmpty());
-    EXPECT_THAT(doubts(kFloor + box("b", 1, "position_m = [0, 0, 0.1]")),
-                ElementsAre(HasSubstr("object_looks_wrong name=b reason=\"starts 0.10 m inside "
-                                      "floor")));
-    EXPECT_THAT(doubts(kFloor + box("b", 0, "position_m = [0, 0, 0.1]")), IsEmpty())
-        << "a fixed object may stand in the floor";
-    EXPECT_THAT(
-        doubts(kFloor + box("b", 1, "position_m = [0, 0, 0.22]\nroll_pitch_yaw_deg = [45, 0, 0]")),
-        ElementsAre(HasSubstr("starts 0.06 m inside floor")))
-        << "its lower edge is 0.28 m below its middle";
-    const std::string wall = box("wall", 0, "position_m = [0.3, 0, 1]");
-    EXPECT_THAT(doubts(wall + box("b", 1, "position_m = [-0.08, 0, 1]")), IsEmpty());
-    EXPECT_THAT(doubts(wall + box("b", 1, "position_m = [0, 0, 1]")),
-                ElementsAre(HasSubstr("name=b reason=\"starts 0.10 m inside wall")));
-    const std::string joint =
-        "[[joint]]\nkind = \"ball\"\na = \"b\"\nb = \"wall\"\nanchor_m = [0.1, 0, 1]\n";
-    EXPECT_THAT(doubts(wall + box("b", 1, "position_m = [0, 0, 1]") + joint), IsEmpty())
-        << "joined objects do not touch each other";
-    EXPECT_THAT(doubts(wall + box("b", 1, "position_m = [0, 0, 1]") + joint + "collide = true\n"),
-                ElementsAre(HasSubstr("object_looks_wrong name=b")));
-}
-
-TEST_F(WorldDoubts, NameMovingObjectsThatStartInsideEachOther) {
-    const std::string a = box("a", 1, "position_m = [0, 0, 1]");
-    EXPECT_THAT(doubts(a + box("b", 1, "position_m = [0.36, 0, 1]")), IsEmpty());
-    const std::string b = box("b", 1, "position_m = [0.3, 0, 1]");
-    EXPECT_THAT(doubts(a + b),
-                ElementsAre(HasSubstr("object_looks_wrong name=b reason=\"starts 0.10 m inside a, "
-                                      "which throws both apart")));
-    const std::string joint =
-        "[[joint]]\nkind = \"ball\"\na = \"a\"\nb = \"b\"\nanchor_m = [0.15, 0, 1]\n";
-    EXPECT_THAT(doubts(a + b + joint), IsEmpty()) << "joined objects do not touch each other";
-}
-
-TEST_F(WorldDoubts, NameAnObjectThatStartsInSolidScenery) {
-    put("post.obj",
-        "v -0.1 -0.1 0\nv 0.1 -0.1 0\nv 0.1 0.1 0\nv -0.1 0.1 0\n"
-        "v -0.1 -0.1 2\nv 0.1 -0.1 2\nv 0.1 0.1 2\nv -0.1 0.1 2\n"
-        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
-    const std::string post = "[[scenery]]\nname = \"post\"\nmodel = \"post.obj\"\n";
-    const std::string in_it = box("b", 1, "position_m = [0.2, 0, 1]");
-    EXPECT_THAT(doubts(post + "solid = true\n" + in_it),
-                ElementsAre(HasSubstr("object_looks_wrong name=b reason=\"starts 0.10 m inside "
-                                      "post, which is solid scenery")));
-    EXPECT_THAT(doubts(post + "solid = false\n" + in_it), IsEmpty());
-    EXPECT_THAT(doubts(post + "solid = true\n" + box("b", 0, "position_m = [0.2, 0, 1]")),
-                IsEmpty())
-        << "a fixed object may stand in it";
-    EXPECT_THAT(doubts(post + "solid = true\n" + box("b", 1, "position_m = [0.31, 0, 1]") +
-                       box("on", 1, "position_m = [0, 0, 2.2]")),
-                IsEmpty())
-        << "beside and on it";
-}
-
-TEST_F(WorldDoubts, NameFixedObjectsAndSitesOutsideTheBounds) {
-    EXPECT_THAT(doubts(box("bench", 0, "position_m = [-300, 1000, 800]")),
-                ElementsAre(HasSubstr("object_looks_wrong name=bench reason=\"it is outside the "
-                                      "world's bounds, [")));
-    EXPECT_THAT(doubts(box("wall", 0, "position_m = [-20.1, 0, 1]")), IsEmpty()) << "at their edge";
-    const std::string site = "[[site]]\nname = \"alice\"\n";
-    EXPECT_THAT(
-        doubts(site + "position_m = [40, 0, 0]\n"),
-        ElementsAre(HasSubstr("site_looks_wrong name=alice reason=\"its place is outside")));
-    EXPECT_THAT(doubts(site + "position_m = [4, 0, 0]\n"), IsEmpty());
-}
-
-TEST_F(WorldDoubts, NameASiteThatIsGivenARight) {
-    const std::string site = "[[site]]\nname = \"alice\"\nposition_m = [0, 0, 0]\n";
-    EXPECT_THAT(doubts(site + "[rights]\ngrab = [\"host\", \"alice\"]\n"),
-                ElementsAre(HasSubstr("rights_looks_wrong right=grab name=alice")));
-    EXPECT_THAT(doubts(site + "[rights]\ngrab = [\"host\"]\n"), IsEmpty());
-}
-
-TEST_F(WorldDoubts, NameSomethingLightThatCarriesSomethingHeavy) {
-    const auto tower = [](double middle_kg, double top_kg, double top_m = 1.0) {
-        return kFloor + box("a", 45, "position_m = [0, 0, 0.2]") +
-               box("b", middle_kg, "position_m = [0, 0, 0.6]") +
-               box("c", top_kg, "position_m = [0, 0, " + std::to_string(top_m) + "]");
-    };
-    EXPECT_THAT(doubts(tower(1, 90)), IsEmpty());
-    EXPECT_THAT(doubts(tower(0.5, 60)),
-                ElementsAre(AllOf(
-                    HasSubstr("object_looks_wrong name=b reason=\"its 0.5 kg carry 60 kg, 120 "
-                              "times as much; the heaviest is c with 60 kg: it slides or falls "
-                              "above 100 times at world.tick_hz = 120"),
-                    HasSubstr("make b at least 0.63 kg, or run with world.tick_hz = 240"))));
-    EXPECT_THAT(
-        doubts(tower(0.5, 2) + box("d", 60, "position_m = [0, 0, 1.4]")),
-        ElementsAre(HasSubstr("carry 62 kg, 124 times as much; the heaviest is d with 60")));
-    EXPECT_THAT(doubts("[world]\ntick_hz = 240.0\n" + tower(0.5, 60)), IsEmpty());
-    EXPECT_THAT(doubts(tower(0.5, 60, 1.1)), IsEmpty()) << "the top is in the air";
-    EXPECT_THAT(doubts(tower(0.5, 60) + box("d", 0, "position_m = [0.38, 0, 0.6]")), IsEmpty())
-        << "a fixed box carries half of it";
-    EXPECT_THAT(doubts(tower(0.5, 40) + box("d", 30, "position_m = [0, 0, 1.4]")),
-                ElementsAre(HasSubstr("name=b reason=\"its 0.5 kg carry 70 kg, 140 times")));
-}
-
-TEST_F(WorldDoubts, NameALinkThatCarriesSomethingHeavy) {
-    const auto chain = [](double weight_kg) {
-        return box("l", 0.5, "position_m = [0, 0, 2]") + box("m", 0.4, "position_m = [0, 0, 1.6]") +
-               box("w", weight_kg, "position_m = [0, 0, 1.2]") +
-               "[[joint]]\nkind = \"ball\"\na = \"m\"\nb = \"l\"\nanchor_m = [0, 0, 1.8]\n"
-               "[[joint]]\nkind = \"ball\"\na = \"w\"\nb = \"m\"\nanchor_m = [0, 0, 1.4]\n";
-    };
-    const std::string hook = "[[joint]]\nkind = \"ball\"\na = \"l\"\nanchor_m = [0, 0, 2.2]\n";
-    EXPECT_THAT(doubts(chain(19) + hook), IsEmpty());
-    EXPECT_THAT(
-        doubts(chain(40) + hook),
-        ElementsAre(AllOf(HasSubstr("object_looks_wrong name=m reason=\"its 0.4 kg carry "
-                                    "40 kg, 100 times as much; the heaviest is w"),
-                          HasSubstr("stretch or tear above 50 times"),
-                          HasSubstr("make m and the links like it at least 0.84 kg, or run with "
-                                    "world.tick_hz = 240"))))
-        << "one line for a chain";
-    EXPECT_THAT(doubts(chain(1500) + hook), ElementsAre(Not(HasSubstr("or run"))));
-    EXPECT_THAT(doubts(chain(40)), IsEmpty()) << "hangs from nothing";
-    const std::string other_end = "[[joint]]\nkind = \"ball\"\na = \"w\"\nanchor_m = [0, 0, 1.0]\n";
-    EXPECT_THAT(doubts(chain(40) + hook + other_end), IsEmpty()) << "the weight is held itself";
-}
-
-TEST_F(WorldDoubts, NameAModelThatStartsInTheFloor) {
-    const std::string rock = std::string(kRock) + "texture = \"own.png\"\n";
-    EXPECT_THAT(doubts(kFloor + rock), IsEmpty());
-    // its collision hull cuts 1 cm off the sharp tip
-    const std::string turned = rock + "roll_pitch_yaw_deg = [180, 0, 0]\n";
-    EXPECT_THAT(doubts(kFloor + turned),
-                ElementsAre(AllOf(HasSubstr("object_looks_wrong name=rock reason=\"starts 0.89 m"),
-                                  HasSubstr("the place of its file's origin"))));
-}
-
-TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAFixedOne) {
-    const auto cloth = [](double middle_m) {
-        return "[[soft]]\nname = \"flag\"\nshape = \"cloth\"\nsize_m = [0.6, 0.6]\nmass_kg = "
-               "0.2\nposition_m = [0, 0, " +
-               std::to_string(middle_m) + "]\n";
-    };
-    EXPECT_THAT(doubts(kFloor + cloth(0.29)), IsEmpty());
-    EXPECT_THAT(doubts(kFloor + cloth(0.2)),
-                ElementsAre(HasSubstr("soft_looks_wrong name=flag reason=\"starts 0.10 m inside "
-                                      "floor")));
-    const std::string rail = box("rail", 0, "position_m = [0, 0, 1.6]");
-    EXPECT_THAT(doubts(rail + cloth(1.15) + "pins = [\"top\"]\n"), IsEmpty())
-        << "only its pinned edge is inside";
-    EXPECT_THAT(doubts(rail + cloth(1.2)), ElementsAre(HasSubstr("inside rail")));
 }
 
 }  // namespace
