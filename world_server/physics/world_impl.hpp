@@ -4,6 +4,7 @@
 #include "world_server/physics/hold.hpp"
 #include "world_server/physics/people/people_contacts.hpp"
 #include "world_server/physics/people/people_field.hpp"
+#include "world_server/physics/rigid/flat_contacts.hpp"
 #include "world_server/physics/rigid/joints.hpp"
 #include "world_server/physics/rigid/load_solver.hpp"
 #include "world_server/physics/rigid/object_body.hpp"
@@ -49,6 +50,7 @@ struct World::Impl {
     WorldOptions options;
     btDefaultCollisionConfiguration configuration;
     btCollisionDispatcher dispatcher{&configuration};
+    FlatContacts flat_contacts{dispatcher, configuration, options.rigid.flat};
     btDbvtBroadphase broadphase;
     LoadSolver solver{options.rigid.load};
     SoftBodies soft{options};

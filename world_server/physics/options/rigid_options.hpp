@@ -40,11 +40,20 @@ struct LoadOptions {
     int max_iterations = 500;  // 20 us per tick for a tower of three boxes at 200
 };
 
+/// Of cylinders whose flat end lies on something flat (`FlatContacts`).
+struct FlatContactOptions {
+    float max_tilt = 0.03F;         // sine; a cylinder that leans more has one point of contact
+    float deeper_m = 0.00005F;      // a point deeper by this replaces the lowest of the four
+    float hull_search_tilt = 0.1F;  // tangent; the corners of a hull's face are sought so
+    float hull_uneven_m = 0.0002F;  // a hull's face with corners further off its plane is not flat
+};
+
 /// Of the rigid objects in a `World`.
 struct RigidOptions {
     HullOptions hull{};
     JointOptions joint{};
     LoadOptions load{};
+    FlatContactOptions flat{};
     // A body below both for two seconds falls asleep. With Bullet's 0.8 m/s a box that begins to
     // slide down a slope would stop there.
     float sleep_mps = 0.1F;
