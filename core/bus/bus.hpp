@@ -60,7 +60,7 @@ public:
     /// worlds of which `take_mismatches` saw programs: "other_worlds=studio,lab". If this world's
     /// name may be a misspelling of one of them, also "did_you_mean=studio". Thread-safe.
     std::string place() const;
-    /// Thread-safe.
+    /// Worlds of which `take_mismatches` saw programs. Thread-safe.
     OtherWorlds other_worlds() const;
 
     struct Impl;

@@ -206,8 +206,7 @@ private:
                 "{} contradicts all others: it was moved since the calibration, "
                 "its entry in the rig is wrong, its pictures are of another instant, or its "
                 "silhouettes are wrong; look at them with --preview; to go on without it, delete "
-                "its "
-                "[[camera]] in rig.toml",
+                "its [[camera]] in rig.toml",
                 names_[best]),
             share_,
             best_share,
