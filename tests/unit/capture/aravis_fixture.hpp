@@ -183,6 +183,14 @@ protected:
         });
     }
 
+    std::size_t num_events(const std::string& part) {
+        const std::lock_guard lock(events_mutex_);
+        return static_cast<std::size_t>(
+            std::count_if(events_.begin(), events_.end(), [&](const std::string& line) {
+                return line.find(part) != std::string::npos;
+            }));
+    }
+
     std::vector<std::unique_ptr<FakeGigeCamera>> fakes_;
     std::mutex events_mutex_;
     std::condition_variable events_changed_;

@@ -91,7 +91,10 @@ TEST_F(AravisSourceTest, RestartedCameraReturnsWhileTheOtherContinues) {
     ASSERT_TRUE(player.wait_for_pictures(1, 3));
     EXPECT_LT(std::chrono::steady_clock::now() - restarted, seconds(2));
     ASSERT_TRUE(wait_for_event("camera 'cam1' is back"));
-    EXPECT_EQ((*source)->camera_counters()[1].num_reconnects, 1u);
+    // once for each loss, of which a busy machine can see more than one
+    const auto num_reconnects = (*source)->camera_counters()[1].num_reconnects;
+    EXPECT_GE(num_reconnects, 1u);
+    EXPECT_LE(num_reconnects, num_events("camera 'cam1' is lost"));
     EXPECT_EQ((*source)->camera_counters()[0].num_reconnects, 0u);
     // the other camera never waited: no gap longer than some periods
     const auto seen = player.seen();
@@ -115,7 +118,9 @@ TEST_F(AravisSourceTest, ReconnectsACameraThatWasSwitchedOffAndOn) {
     // the new camera answers, but does not know the connection
     fakes_[0] = std::make_unique<FakeGigeCamera>(fake_options(0));
     ASSERT_TRUE(player.wait_for_pictures(0, 3));
-    EXPECT_EQ((*source)->camera_counters()[0].num_reconnects, 1u);
+    const auto num_reconnects = (*source)->camera_counters()[0].num_reconnects;
+    EXPECT_GE(num_reconnects, 1u);
+    EXPECT_LE(num_reconnects, num_events("camera 'cam0' is lost"));
 }
 
 // A packet socket receives everything on its interface until its filter is set. Next to a camera
