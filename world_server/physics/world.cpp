@@ -53,20 +53,7 @@ void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     for (auto& [id, object] : self.objects) around.bodies.push_back(&object->body());
     const std::vector<btRigidBody*>& still = self.surroundings.bodies();
     around.bodies.insert(around.bodies.end(), still.begin(), still.end());
-    if (!self.soft.bodies().empty()) self.find_standing(around.standing);
-}
-
-void World::Impl::find_standing(std::vector<const btRigidBody*>& standing) {
-    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-        const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-        if (manifold.getNumContacts() == 0) continue;
-        const btRigidBody* a = btRigidBody::upcast(manifold.getBody0());
-        const btRigidBody* b = btRigidBody::upcast(manifold.getBody1());
-        if (a == nullptr || b == nullptr) continue;
-        if (a->getInvMass() > 0 && b->getInvMass() == 0) standing.push_back(a);
-        if (b->getInvMass() > 0 && a->getInvMass() == 0) standing.push_back(b);
-    }
-    std::sort(standing.begin(), standing.end(), std::less<const btRigidBody*>());
+    if (!self.soft.bodies().empty()) around.supports.find(self.dispatcher, self.world.getGravity());
 }
 
 ObjectBody* World::Impl::find_moving(std::uint32_t id) {

@@ -34,14 +34,13 @@ struct World::Impl {
     static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
     ObjectBody* find(std::uint32_t id);  // null: no such rigid object
     ObjectBody* find_moving(std::uint32_t id);
-    /// Adds the moving bodies that touch a fixed one.
-    void find_standing(std::vector<const btRigidBody*>& standing);
     void wake_all();
     /// Wakes the objects whose boxes touch that of this body.
     void wake_near(const btRigidBody& body);
     void begin_holds();
     void end_holds();
     std::optional<IncidentKind> find_incident(ObjectBody& object);
+    void limit_depenetration();
     void handle_incidents();
     void act_on(const Incident& incident);
     void record(const Incident& incident);
@@ -53,7 +52,7 @@ struct World::Impl {
     FlatContacts flat_contacts{dispatcher, configuration, options.rigid.flat};
     btDbvtBroadphase broadphase;
     LoadSolver solver{options.rigid.load};
-    SoftBodies soft{options};
+    SoftBodies soft{options, [this] { limit_depenetration(); }};
     btSoftRigidDynamicsWorld world{
         &dispatcher, &broadphase, &solver, &configuration, soft.solver()};
     std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;

@@ -9,14 +9,12 @@ constexpr std::size_t kMaxIncidents = 256;
 
 }  // namespace
 
-// Returns the problem of an object after a tick. Limits its motion if there is none.
+// Returns the problem of an object after a tick. Limits its speeds if there is none.
 std::optional<IncidentKind> World::Impl::find_incident(ObjectBody& object) {
     if (!object.is_finite()) return IncidentKind::kNotFinite;
     const double speed = from_bullet(object.body().getLinearVelocity()).norm();
     if (speed > options.runaway_factor * options.max_speed_mps) return IncidentKind::kRunaway;
-    if (object.body().isActive()) {
-        object.limit_motion(centres_before[object.object().id], options);
-    }
+    if (object.body().isActive()) object.limit_speeds(options);
     geometry::Aabb box = box_of(options);
     if (options.leaving == LeavePolicy::kBounce) {
         box.min.array() -= options.behind_wall_m;
@@ -24,6 +22,12 @@ std::optional<IncidentKind> World::Impl::find_incident(ObjectBody& object) {
     }
     if (!box.contains(object.centre())) return IncidentKind::kLeft;
     return std::nullopt;
+}
+
+void World::Impl::limit_depenetration() {
+    for (auto& [id, object] : objects)
+        if (object->moves() && object->body().isActive())
+            object->limit_depenetration(centres_before[id], options);
 }
 
 void World::Impl::handle_incidents() {

@@ -93,6 +93,125 @@ TEST_F(SoftRest, TableUnderASoftBall) {
     EXPECT_TRUE(sleeps(kTable));
 }
 
+// Each carrier is lighter than the soft box on it, or hardly heavier.
+class SoftBoxOnCarriers : public SoftRest {
+protected:
+    void put_box(const Eigen::Vector3d& position) {
+        SoftObject box = ball_at(position);
+        box.shape = SoftShape::kBox;
+        box.size_m = {0.3, 0.3, 0.2};
+        box.spacing_m = 0.06;
+        box.mass_kg = 2.0;
+        box.stiffness = 0.4;
+        ASSERT_EQ(stage.world.add_soft(box), AddResult::kAdded);
+    }
+    void expect_rest(std::uint32_t carrier,
+                     const Eigen::Vector3d& start,
+                     double box_z_m,
+                     double most_m) {
+        const RigidState state = stage.rigid(carrier);
+        EXPECT_LT((state.world_from_object.translation - start).norm(), most_m);
+        EXPECT_LT(state.world_from_object.rotation.vec().norm(), 0.003);
+        EXPECT_LT(stage.centre().head<2>().norm(), 0.02);
+        EXPECT_NEAR(stage.centre().z(), box_z_m, 0.03);
+        EXPECT_TRUE(sleeps(carrier));
+    }
+};
+
+TEST_F(SoftBoxOnCarriers, Plates) {
+    for (const double mass_kg : {0.1, 0.5, 3.0}) {
+        SCOPED_TRACE(mass_kg);
+        stage.world.remove(kSoft);
+        stage.world.remove(8);
+        RigidObject plate{.id = 8, .size_m = {0.32, 0.32, 0.04}, .mass_kg = mass_kg};
+        plate.world_from_object.translation.z() = 0.02;
+        ASSERT_EQ(stage.world.add(plate), AddResult::kAdded);
+        put_box({0, 0, 0.145});
+        stage.run(15.0);
+        expect_rest(8, plate.world_from_object.translation, 0.14, 0.003);
+    }
+}
+
+TEST_F(SoftBoxOnCarriers, PlateOnATable) {
+    ASSERT_EQ(stage.world.add(table()), AddResult::kAdded);
+    RigidObject plate{.id = 8, .size_m = {0.32, 0.32, 0.04}, .mass_kg = 0.3};
+    plate.world_from_object.translation.z() = 0.76;
+    ASSERT_EQ(stage.world.add(plate), AddResult::kAdded);
+    put_box({0, 0, 0.885});
+    stage.run(15.0);
+    expect_rest(8, plate.world_from_object.translation, 0.88, 0.003);
+    EXPECT_LT(stage.rigid(kTable).world_from_object.translation.norm(), 0.001);
+}
+
+TEST_F(SoftBoxOnCarriers, Stool) {
+    for (const double fall_m : {0.005, 0.3}) {
+        SCOPED_TRACE(fall_m);
+        stage.world.remove(kSoft);
+        stage.world.remove(kTable);
+        RigidObject stool = table();
+        std::vector<geometry::TriangleMesh> parts;
+        const auto add_part = [&](const Eigen::Vector3d& size, const Eigen::Vector3d& middle) {
+            parts.push_back(make_box_mesh(size, {Eigen::Quaterniond::Identity(), middle}, 1));
+        };
+        add_part({0.32, 0.32, 0.04}, {0, 0, 0.42});
+        add_part({0.04, 0.04, 0.4}, {0.12, 0, 0.2});
+        add_part({0.04, 0.04, 0.4}, {-0.12, -0.12, 0.2});
+        add_part({0.04, 0.04, 0.4}, {-0.12, 0.12, 0.2});
+        stool.size_m = extents_of(parts);
+        stool.parts = std::make_shared<const std::vector<geometry::TriangleMesh>>(parts);
+        stool.mass_kg = 3.0;
+        ASSERT_EQ(stage.world.add(stool), AddResult::kAdded);
+        put_box({0, 0, 0.54 + fall_m});
+        stage.run(15.0);
+        // a fall pushes the stool
+        expect_rest(kTable, Eigen::Vector3d::Zero(), 0.54, fall_m < 0.01 ? 0.003 : 0.02);
+    }
+}
+
+TEST_F(SoftBoxOnCarriers, BoardThatOverhangs) {
+    RigidObject block{.id = 9, .size_m = {0.5, 0.5, 0.4}};
+    block.world_from_object.translation.z() = 0.2;
+    ASSERT_EQ(stage.world.add(block), AddResult::kAdded);
+    for (const double x_m : {0.0, 0.45}) {
+        SCOPED_TRACE(x_m);
+        stage.world.remove(kSoft);
+        stage.world.remove(8);
+        RigidObject board{.id = 8, .size_m = {1.2, 0.4, 0.02}, .mass_kg = 1.0};
+        board.world_from_object.translation.z() = 0.41;
+        ASSERT_EQ(stage.world.add(board), AddResult::kAdded);
+        put_box({x_m, 0, 0.525});
+        stage.run(10.0);
+        // 2 kg, 20 cm beyond the edge, tip a board of 1 kg whose middle is 25 cm before it
+        if (x_m > 0.0) {
+            EXPECT_LT(stage.rigid(8).world_from_object.translation.z(), 0.35);
+        } else {
+            expect_rest(8, board.world_from_object.translation, 0.52, 0.003);
+        }
+    }
+}
+
+TEST_F(SoftRest, LightThingsUnderACloth) {
+    for (const ObjectShape shape : {ObjectShape::kBox, ObjectShape::kCylinder}) {
+        for (const double size_m : {0.1, 0.2}) {
+            SCOPED_TRACE(size_m);
+            stage.world.remove(8);
+            stage.world.remove(kSoft);
+            RigidObject thing{.id = 8, .shape = shape, .mass_kg = 0.2};
+            thing.size_m.setConstant(size_m);
+            thing.world_from_object.translation.z() = size_m / 2.0;
+            ASSERT_EQ(stage.world.add(thing), AddResult::kAdded);
+            ASSERT_EQ(stage.world.add_soft(tablecloth_at({0, 0, size_m + 0.05})),
+                      AddResult::kAdded);
+            stage.run(10.0);
+            EXPECT_LT(
+                (stage.rigid(8).world_from_object.translation - thing.world_from_object.translation)
+                    .norm(),
+                0.02);
+            EXPECT_TRUE(sleeps(8));
+        }
+    }
+}
+
 // A curtain that hangs against a box at rest wakes it when it swings.
 TEST_F(SoftRest, EndsWhenTheClothSwings) {
     ASSERT_EQ(

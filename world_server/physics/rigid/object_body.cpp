@@ -7,6 +7,14 @@
 #include <cassert>
 
 namespace atrium::physics {
+namespace {
+
+btVector3 limited(const btVector3& v, btScalar most) {
+    const btScalar length = v.length();
+    return length > most ? btVector3(v * (most / length)) : v;
+}
+
+}  // namespace
 
 ObjectBody::ObjectBody(const RigidObject& object, const WorldOptions& options)
     : object_(object), shape_(object, options.rigid.hull), inertia_(shape_.inertia()) {
@@ -111,28 +119,26 @@ bool ObjectBody::is_finite() const {
     return all.allFinite();
 }
 
-void ObjectBody::limit_motion(const Eigen::Vector3d& centre_before, const WorldOptions& options) {
-    const auto limited = [](const Eigen::Vector3d& v, double max) -> Eigen::Vector3d {
-        return v.norm() > max ? (v * (max / v.norm())).eval() : v;
-    };
-    const Eigen::Vector3d velocity =
-        limited(from_bullet(body_->getLinearVelocity()), options.max_speed_mps);
-    const Eigen::Vector3d spin =
-        limited(from_bullet(body_->getAngularVelocity()), options.max_spin_rad_s);
-    body_->setLinearVelocity(to_bullet(velocity));
-    body_->setAngularVelocity(to_bullet(spin));
+void ObjectBody::limit_speeds(const WorldOptions& options) {
+    const btVector3& velocity = body_->getLinearVelocity();
+    const btVector3& spin = body_->getAngularVelocity();
+    body_->setLinearVelocity(limited(velocity, btScalar(options.max_speed_mps)));
+    body_->setAngularVelocity(limited(spin, btScalar(options.max_spin_rad_s)));
+}
 
+void ObjectBody::limit_depenetration(const Eigen::Vector3d& centre_before,
+                                     const WorldOptions& options) {
     // motion beyond the velocity is Bullet's depenetration
-    const Eigen::Vector3d flight = options.tick_s * velocity;
-    const Eigen::Vector3d correction = centre() - centre_before - flight;
-    const double max_correction_m = options.tick_s * options.max_depenetration_mps;
-    if (correction.norm() > max_correction_m) {
-        btTransform transform = body_->getWorldTransform();
-        transform.setOrigin(
-            to_bullet((centre_before + flight + limited(correction, max_correction_m)).eval()));
-        body_->setWorldTransform(transform);
-        body_->setInterpolationWorldTransform(transform);
-    }
+    const btVector3 flight = limited(body_->getLinearVelocity(), btScalar(options.max_speed_mps)) *
+                             btScalar(options.tick_s);
+    const btVector3 expected = to_bullet(centre_before) + flight;
+    const btVector3 correction = to_bullet(centre()) - expected;
+    const btScalar most = btScalar(options.tick_s * options.max_depenetration_mps);
+    if (!(correction.length() > most)) return;
+    btTransform transform = body_->getWorldTransform();
+    transform.setOrigin(expected + limited(correction, most));
+    body_->setWorldTransform(transform);
+    body_->setInterpolationWorldTransform(transform);
 }
 
 }  // namespace atrium::physics

@@ -43,8 +43,11 @@ public:
     /// Returns the object to its start pose, at rest and awake.
     void reset_to_start();
     bool is_finite() const;
-    /// Limits the motion of the last tick: speed, spin and depenetration speed (`WorldOptions`).
-    void limit_motion(const Eigen::Vector3d& centre_before, const WorldOptions& options);
+    /// Limits speed and spin (`WorldOptions`).
+    void limit_speeds(const WorldOptions& options);
+    /// Limits the depenetration speed of the last step (`WorldOptions`). Call when Bullet has moved
+    /// the body, before anything else changes its velocity.
+    void limit_depenetration(const Eigen::Vector3d& centre_before, const WorldOptions& options);
 
 private:
     btTransform start() const;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace atrium::physics {
 
@@ -30,8 +31,10 @@ private:
     SoftBodies& owner_;
 };
 
-SoftBodies::SoftBodies(const WorldOptions& options)
-    : options_(options), solver_(std::make_unique<Solver>(*this)) {}
+SoftBodies::SoftBodies(const WorldOptions& options, std::function<void()> after_rigid)
+    : options_(options),
+      after_rigid_(std::move(after_rigid)),
+      solver_(std::make_unique<Solver>(*this)) {}
 SoftBodies::~SoftBodies() = default;
 
 btSoftBodySolver* SoftBodies::solver() { return solver_.get(); }
@@ -88,12 +91,13 @@ bool SoftBodies::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
 SoftSurroundings& SoftBodies::begin_tick(const PeopleField& people) {
     surroundings_.people = &people;
     surroundings_.bodies.clear();
-    surroundings_.standing.clear();
+    surroundings_.supports.clear();
     return surroundings_;
 }
 
 // Steps all soft bodies together, substep by substep: they can push each other.
 void SoftBodies::step() {
+    after_rigid_();
     surfaces_.clear();
     anchored_.begin_tick();
     for (auto& [id, body] : bodies_) {

@@ -27,7 +27,8 @@ class PeopleField;
 /// each of its steps, in ascending order of their ids.
 class SoftBodies {
 public:
-    explicit SoftBodies(const WorldOptions& options);
+    /// Calls `after_rigid` in each step, when the rigid bodies have moved and no soft one has.
+    SoftBodies(const WorldOptions& options, std::function<void()> after_rigid);
     ~SoftBodies();
     SoftBodies(const SoftBodies&) = delete;
     SoftBodies& operator=(const SoftBodies&) = delete;
@@ -65,6 +66,7 @@ private:
     class Solver;
     void step();
     WorldOptions options_;
+    std::function<void()> after_rigid_;
     std::unique_ptr<Solver> solver_;
     std::map<std::uint32_t, std::unique_ptr<SoftBody>> bodies_;
     SoftSurroundings surroundings_;

@@ -151,12 +151,10 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
     loose_bodies_.clear();
     for (btRigidBody* body : surroundings.bodies)
         if (!anchors_.is_attached_to(*body)) loose_bodies_.push_back(body);
-    contacts_.find(*body_, skin, people, loose_bodies_, contact_setup_);
+    contacts_.find(*body_, skin, people, loose_bodies_, surroundings.supports, contact_setup_);
     anchors_.begin_tick(anchored);
-    const std::vector<const btRigidBody*>& standing = surroundings.standing;
     contacts_.visit_bodies([&](btRigidBody& body) {
-        const auto less = std::less<const btRigidBody*>();
-        if (!std::binary_search(standing.begin(), standing.end(), &body, less)) anchored.add(body);
+        if (!surroundings.supports.touches_fixed(body)) anchored.add(body);
     });
     motors_.begin_tick(*body_);
 }
@@ -218,6 +216,7 @@ void SoftBody::end_tick() {
     anchors_.limit(taut_, options_.soft.links.snap_mps);
     // each end of a link can have gained the other's speed
     limit_speeds();
+    contacts_.load_carriers();
     if (!is_calm()) contacts_.wake_bodies();
     const btScalar extent = (body_->m_bounds[1] - body_->m_bounds[0]).length();
     num_torn_ticks_ = extent > options_.soft.torn_extents * rest_extent_ ? num_torn_ticks_ + 1 : 0;

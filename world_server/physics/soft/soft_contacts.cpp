@@ -47,6 +47,12 @@ btVector3 velocity_of(const SoftContact& c) {
     return c.body != nullptr ? c.body->getVelocityInLocalPoint(c.arm) : c.velocity;
 }
 
+bool rests(const SoftContact& contact, const btVector3& velocity, btScalar still_mps) {
+    const btScalar plane_mps = contact.normal.dot(contact.velocity);
+    const btScalar closing_mps = plane_mps - contact.normal.dot(velocity);
+    return std::abs(plane_mps) < still_mps && closing_mps < still_mps;
+}
+
 // Finds the first point on the sample's path, relative to the body, that is within `thickness_m` of
 // it. If there is none, uses the end of the path.
 std::optional<SoftContact> find_contact_on_path(const btRigidBody& body,
@@ -148,6 +154,7 @@ void SoftContacts::find(btSoftBody& soft,
                         const SoftSkin& skin,
                         const PeopleField* people,
                         const std::vector<btRigidBody*>& bodies,
+                        const Supports& supports,
                         const SoftContactSetup& setup) {
     contacts_.clear();
     num_person_contacts_ = 0;
@@ -170,7 +177,7 @@ void SoftContacts::find(btSoftBody& soft,
         if (body->getCollisionShape()->getShapeType() == TRIANGLE_MESH_SHAPE_PROXYTYPE)
             find_with_mesh(soft, *body, skin, setup);
         else
-            find_with(soft, *body, skin, setup);
+            find_with(soft, *body, skin, supports, setup);
     }
 }
 
@@ -178,6 +185,7 @@ void SoftContacts::find(btSoftBody& soft,
 void SoftContacts::find_with(const btSoftBody& soft,
                              btRigidBody& body,
                              const SoftSkin& skin,
+                             const Supports& supports,
                              const SoftContactSetup& setup) {
     btVector3 low, high;
     body.getAabb(low, high);
@@ -207,6 +215,9 @@ void SoftContacts::find_with(const btSoftBody& soft,
             contact->body = &body;
             contact->arm = contact->point - body.getCenterOfMassPosition();
             contact->body_inverse_mass = inverse_mass_of(body, contact->arm, contact->normal);
+            contact->is_carried = supports.carries(body, contact->point, contact->normal) ||
+                                  (supports.stands(body, contact->normal) &&
+                                   rests(*contact, ways_[i].velocity, setup.options.still_mps));
         }
         contacts_.push_back(*contact);
     }
@@ -285,11 +296,14 @@ void SoftContacts::solve(btSoftBody& soft,
                                 c.normal.dot(velocity - c.velocity) * substep_s;
         btVector3 impulse(0, 0, 0);
         if (height < allowed) {
-            const btScalar push = (allowed - height) / (own_inverse_mass + c.body_inverse_mass);
+            const btScalar yielding = c.is_carried ? btScalar(0) : c.body_inverse_mass;
+            const btScalar push = (allowed - height) / (own_inverse_mass + yielding);
             c.normal_correction += push;
             impulse = c.normal * push;
+            if (c.is_carried) c.load += push / substep_s;
         }
         if (c.normal_correction <= 0) continue;
+        btVector3 reaction = c.is_carried ? btVector3(0, 0, 0) : impulse;
         btVector3 slip = x + impulse * own_inverse_mass - q - velocity * substep_s;
         slip -= c.normal * c.normal.dot(slip);
         // bounds the friction of a substep by its total pressure
@@ -299,9 +313,10 @@ void SoftContacts::solve(btSoftBody& soft,
         const btScalar size = wanted.length();
         const btVector3 held = size > most ? wanted * (most / size) : wanted;
         impulse += held - c.friction_correction;
+        reaction += held - c.friction_correction;
         c.friction_correction = held;
         move(soft, c.sample, impulse);
-        if (c.body != nullptr) c.body->applyImpulse(-impulse / substep_s, c.arm);
+        if (c.body != nullptr) c.body->applyImpulse(-reaction / substep_s, c.arm);
     }
 }
 
@@ -323,6 +338,11 @@ void SoftContacts::end_substep(btSoftBody& soft,
             if (out > 0) node.m_v -= c.normal * std::min(out, setup.options.recovery_mps);
         }
     }
+}
+
+void SoftContacts::load_carriers() {
+    for (const SoftContact& c : contacts_)
+        if (c.is_carried) c.body->applyImpulse(-c.normal * c.load, c.arm);
 }
 
 void SoftContacts::wake_bodies() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "world_server/physics/options/soft_options.hpp"
+#include "world_server/physics/rigid/supports.hpp"
 #include "world_server/physics/soft/moving_faces.hpp"
 #include "world_server/physics/soft/soft_sample.hpp"
 
@@ -30,7 +31,10 @@ struct SoftContact {
     btRigidBody* sleeper = nullptr;  // sleeping body that carries a calm soft body, or null
     btVector3 arm;                   // from the body's centre of mass to the point
     btScalar body_inverse_mass = 0;  // inverse effective mass of the body along the normal
+    // What carries the body holds it against pushes of this contact. It gets them after the tick.
+    bool is_carried = false;
     // solver state
+    btScalar load = 0;               // [N s] sum of pushes on a carried body
     btScalar shift = 0;              // [m] motion of the plane by impulses of earlier substeps
     btScalar normal_correction = 0;  // [kg m] sum of normal corrections in this substep
     btVector3 friction_correction;   // [kg m] sum of friction corrections in this substep
@@ -64,8 +68,7 @@ struct SoftSurroundings {
     const PeopleField* people = nullptr;  // at the start of the tick
     // at the end of the tick; triangle meshes among them are static
     std::vector<btRigidBody*> bodies;
-    // moving ones among them that touch a fixed one, in ascending order of address
-    std::vector<const btRigidBody*> standing;
+    Supports supports;  // of the moving ones among them
 };
 
 /// Contacts of one soft body with people, rigid bodies and scenery, for one tick. The paths of all
@@ -74,10 +77,13 @@ struct SoftSurroundings {
 class SoftContacts {
 public:
     /// Detects contacts. `people` (or null) is at the start of the tick, `bodies` are at its end.
+    /// Within the tick, a body yields to pushes onto what carries it as little as a fixed one: the
+    /// rigid bodies' solver, which knows its floor, acts before and after.
     void find(btSoftBody& soft,
               const SoftSkin& skin,
               const PeopleField* people,
               const std::vector<btRigidBody*>& bodies,
+              const Supports& supports,
               const SoftContactSetup& setup);
     // For each equal substep of the tick: begin_substep, solve any number of times, end_substep.
     void begin_substep();
@@ -97,6 +103,8 @@ public:
         for (const SoftContact& contact : contacts_)
             if (contact.body != nullptr) take(*contact.body);
     }
+    /// Gives carried bodies the sum of the pushes on them. Call after the last substep.
+    void load_carriers();
     /// Wakes the sleeping bodies that it touches. Call after the last substep, if the soft body is
     /// no longer calm.
     void wake_bodies();
@@ -107,6 +115,7 @@ private:
     void find_with(const btSoftBody& soft,
                    btRigidBody& body,
                    const SoftSkin& skin,
+                   const Supports& supports,
                    const SoftContactSetup& setup);
     void find_with_mesh(const btSoftBody& soft,
                         const btRigidBody& body,
