@@ -1,6 +1,6 @@
 #include "simulation/model_nodes.hpp"
 
-#include "core/base/looked_up.hpp"
+#include "core/base/readable.hpp"
 
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -97,10 +97,9 @@ Eigen::Quaternionf value_of(const aiQuaternion& q) {
 Expected<const aiScene*> read_scene(const char* option,
                                     const std::filesystem::path& file,
                                     Assimp::Importer& importer) {
-    if (!std::filesystem::is_regular_file(file)) {
-        return make_error(
-            ErrorKind::kNotFound,
-            fmt::format("{}: '{}': no such file{}", option, file.string(), looked_up_from(file)));
+    if (const auto readable = check_readable(file); !readable) {
+        return make_error(readable.error().kind,
+                          fmt::format("{}: {}", option, readable.error().message));
     }
     // with pivots, bones would hang below animated helper nodes that Assimp mixes up
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);

@@ -11,6 +11,7 @@
 #include "viewer/viewer.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -125,11 +126,18 @@ private:
     std::unique_ptr<Surface> surface_;
 };
 
-// A folder of models that the user named and that is not there. The default one may be missing.
+// A folder of models that is not there or closed to this user. The default one may be missing.
 Expected<void> check_models(const ViewerConfig& config) {
     std::error_code failure;
     const bool is_default = config.models == ViewerConfig().models;
-    if (is_default || std::filesystem::is_directory(config.models, failure)) return {};
+    if (std::filesystem::is_directory(config.models, failure)) {
+        if (access(config.models.c_str(), R_OK | X_OK) == 0) return {};
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("viewer.models: this user may not look into {}; run `chmod "
+                                      "a+rx` on it",
+                                      config.models.string()));
+    }
+    if (is_default) return {};
     const std::string meant = config::ask_which_path(config.models);
     return make_error(ErrorKind::kNotFound,
                       fmt::format("viewer.models: {} is no folder{}{}",

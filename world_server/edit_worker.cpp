@@ -1,6 +1,7 @@
 #include "world_server/edit_worker.hpp"
 
 #include "core/app/log.hpp"
+#include "core/base/readable.hpp"
 #include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
 #include "core/model/model_file.hpp"
@@ -78,8 +79,10 @@ void EditWorker::add_model(const bus::SceneEdit& edit) {
                       fmt::format("{}: must be a {} file", object.model, model::model_endings()));
     }
     const std::filesystem::path file = config_.models_folder / object.model;
-    std::error_code failure;
-    if (!std::filesystem::is_regular_file(file, failure)) {
+    const auto readable = check_readable(file);
+    if (!readable && readable.error().kind != ErrorKind::kNotFound)
+        return refuse(edit, readable.error().message);
+    if (!readable) {
         return refuse(edit,
                       fmt::format("the world server has no model {} in its folder: copy the file "
                                   "there, below the world file",

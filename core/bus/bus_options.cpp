@@ -1,5 +1,7 @@
 #include "core/bus/bus_options.hpp"
 
+#include "core/bus/limits.hpp"
+
 namespace atrium::bus {
 
 void declare(BusOptions& options, config::OptionSet& set) {
@@ -7,8 +9,10 @@ void declare(BusOptions& options, config::OptionSet& set) {
             options.world,
             "name of the shared world; programs of different worlds do not exchange data");
     set.add_alias("world");
-    set.add(
-        "bus.domain", options.domain, "DDS domain; each domain uses its own UDP ports", {0, 230});
+    set.add("bus.domain",
+            options.domain,
+            "DDS domain; each domain uses its own UDP ports",
+            {0, kMaxDomain});
     set.add_word_or_path("bus.network",
                          options.network,
                          "network of the other programs: loopback (this host), lan (wired), wifi, "

@@ -7,6 +7,7 @@
 /// sequences are repeated in idl/.
 namespace atrium::bus {
 
+inline constexpr std::uint32_t kMaxDomain = 230;  // DDS has no UDP ports for a higher one
 inline constexpr std::size_t kMaxNameLength = 63;
 inline constexpr std::size_t kMaxCamerasPerSite = 64;
 inline constexpr std::size_t kMaxCodedBytes = 8U << 20U;  // 30 times the largest expected sample

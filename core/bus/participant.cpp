@@ -1,6 +1,7 @@
 #include "core/bus/participant.hpp"
 
 #include "core/bus/dds_log.hpp"
+#include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
 #include "core/bus/network_settings.hpp"
 #include "core/bus/topics.hpp"
@@ -15,7 +16,6 @@ namespace atrium::bus {
 namespace {
 
 // Cyclone uses the ports from 7400 + 250 * domain; above this domain they exceed 65535.
-constexpr std::uint32_t kMaxDomain = 230;
 
 dds_duration_t to_dds(std::chrono::nanoseconds duration) {
     return duration == kForever ? DDS_INFINITY : duration.count();

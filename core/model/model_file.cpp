@@ -1,6 +1,6 @@
 #include "core/model/model_file.hpp"
 
-#include "core/base/looked_up.hpp"
+#include "core/base/readable.hpp"
 
 #include <Eigen/LU>
 #include <assimp/Importer.hpp>
@@ -163,9 +163,8 @@ Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& 
         return wrong(ErrorKind::kInvalidData,
                      fmt::format("unknown model format; must be one of {}", model_endings()));
     }
+    if (auto readable = check_readable(file); !readable) return readable;
     std::error_code failure;
-    if (!std::filesystem::is_regular_file(file, failure))
-        return wrong(ErrorKind::kNotFound, "there is no such file" + looked_up_from(file));
     const std::uintmax_t num_bytes = std::filesystem::file_size(file, failure);
     if (failure) return wrong(ErrorKind::kNotFound, failure.message());
     if (num_bytes > limits.max_file_bytes) {

@@ -2,6 +2,7 @@
 
 #include "core/app/process.hpp"
 #include "core/bus/bus.hpp"
+#include "core/bus/limits.hpp"
 #include "tools/demo/child_process.hpp"
 #include "tools/demo/display.hpp"
 #include "tools/demo/log_lines.hpp"
@@ -353,7 +354,7 @@ void declare(DemoConfig& config, config::OptionSet& options) {
                 {-20, 19});
     options.add("world-nice", config.world_nice, "process.nice of the world server", {-20, 19});
     options.add("viewer-nice", config.viewer_nice, "process.nice of the viewer", {-20, 19});
-    options.add("domain", config.domain, "DDS domain", {0, 230});
+    options.add("domain", config.domain, "DDS domain", {0, bus::kMaxDomain});
 }
 
 Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {

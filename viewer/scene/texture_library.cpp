@@ -1,7 +1,7 @@
 #include "viewer/scene/texture_library.hpp"
 
 #include "core/app/log.hpp"
-#include "core/base/looked_up.hpp"
+#include "core/base/readable.hpp"
 #include "core/bus/names.hpp"
 #include "viewer/scene/file_advice.hpp"
 
@@ -61,10 +61,9 @@ std::optional<PictureSize> size_of_jpeg(Bytes bytes) {
 
 Expected<std::vector<std::uint8_t>> bytes_of(const std::filesystem::path& file,
                                              std::uintmax_t max_bytes) {
+    if (const auto readable = check_readable(file); !readable)
+        return tl::unexpected(readable.error());
     std::error_code failure;
-    if (!std::filesystem::is_regular_file(file, failure))
-        return make_error(ErrorKind::kNotFound,
-                          fmt::format("{}: no such file{}", file.string(), looked_up_from(file)));
     const std::uintmax_t num_bytes = std::filesystem::file_size(file, failure);
     if (failure || num_bytes > max_bytes) {
         return make_error(

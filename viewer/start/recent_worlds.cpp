@@ -1,6 +1,7 @@
 #include "viewer/start/recent_worlds.hpp"
 
 #include "core/app/log.hpp"
+#include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
 #include "core/config/table_reader.hpp"
 #include "viewer/config/user_files.hpp"
@@ -29,7 +30,7 @@ Expected<std::vector<bus::BusOptions>> read_worlds(const fs::path& file) {
         bus::BusOptions world;
         table.require("name");
         table.read("name", world.world);
-        table.read("domain", world.domain, {0, 230});
+        table.read("domain", world.domain, {0, bus::kMaxDomain});
         table.read("network", world.network);
         table.read("peers", world.peers);
         table.read("interface", world.interface);

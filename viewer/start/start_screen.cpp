@@ -1,5 +1,6 @@
 #include "viewer/start/start_screen.hpp"
 
+#include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
 #include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/ui_scale.hpp"
@@ -159,13 +160,14 @@ void StartScreen::draw_network() {
     labelled_field("domain", 120.0);
     // only when the number is complete: each change leaves a domain and joins another
     ImGui::InputInt("##domain", &domain_);
-    if (ImGui::IsItemDeactivatedAfterEdit()) {
-        domain_ = std::clamp(domain_, 0, 230);
+    const bool is_domain = domain_ >= 0 && static_cast<std::uint32_t>(domain_) <= bus::kMaxDomain;
+    if (ImGui::IsItemDeactivatedAfterEdit() && is_domain)
         options_.domain = static_cast<std::uint32_t>(domain_);
-    }
     labelled_field("peers", 200.0);
     ImGui::InputTextWithHint("##peers", "host,host", peers_.data(), peers_.size());
     if (ImGui::IsItemDeactivatedAfterEdit()) options_.peers = peers_.data();
+    if (!is_domain)
+        ImGui::TextColored(kWarningColour, "the domain must be 0 to %u", bus::kMaxDomain);
     if (!failure_.empty()) ImGui::TextColored(kWarningColour, "%s", failure_.c_str());
 }
 

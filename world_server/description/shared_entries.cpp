@@ -1,5 +1,6 @@
 #include "world_server/description/shared_entries.hpp"
 
+#include "core/base/readable.hpp"
 #include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
 #include "core/config/spelling.hpp"
@@ -58,13 +59,11 @@ void read_texture(config::TableReader& reader, std::string& texture) {
     if (file.empty()) return;
     if (!bus::is_valid_model_file(file)) return reader.reject("texture", kFileNames);
     if (!is_picture_name(file)) return reader.reject("texture", "must be a .png, .jpg or .jpeg");
-    std::error_code failure;
     const std::filesystem::path path = file_of(reader, file);
-    if (!std::filesystem::is_regular_file(path, failure)) {
-        return reader.reject(
-            "texture",
-            Error{ErrorKind::kNotFound,
-                  fmt::format("file {} does not exist{}", path.string(), meant_instead_of(path))});
+    if (const auto readable = check_readable(path); !readable) {
+        Error error = readable.error();
+        if (error.kind == ErrorKind::kNotFound) error.message += meant_instead_of(path);
+        return reader.reject("texture", std::move(error));
     }
     texture = file;
 }

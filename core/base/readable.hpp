@@ -1,0 +1,13 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+
+#include <filesystem>
+
+namespace atrium {
+
+/// Error if `file` is not a regular file that this process may read. The message begins with the
+/// path and tells the reason. kNotFound: it is not there; kConfiguration: anything else.
+Expected<void> check_readable(const std::filesystem::path& file);
+
+}  // namespace atrium
