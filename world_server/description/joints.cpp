@@ -77,6 +77,8 @@ void read_hinge(config::TableReader& reader, physics::Joint& joint) {
     read_limits(reader, "limits_deg", kRadPerDeg, joint);
     reader.read("damping_nms", joint.damping, kAmount);
     double speed_deg = 0.0;
+    reader.forbid("motor_rpm", "write motor_deg_per_s, 6 times that");
+    reader.forbid("motor_rad_per_s", "write motor_deg_per_s, 57.3 times that");
     reader.read("motor_deg_per_s", speed_deg, {-3600.0, 3600.0});
     reader.read("motor_max_nm", joint.motor_max, kAmount);
     joint.motor_speed = kRadPerDeg * speed_deg;

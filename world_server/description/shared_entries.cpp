@@ -47,6 +47,8 @@ void read_name(config::TableReader& reader, std::string& name) {
 }
 
 void read_pose(config::TableReader& reader, geometry::RigidTransform& world_from_object) {
+    for (const char* key : {"quaternion", "rotation", "rotation_deg", "orientation"})
+        reader.forbid(key, "write roll_pitch_yaw_deg: degrees about x, then y, then z");
     reader.read("position_m", world_from_object.translation.data(), 3, kPositionRange);
     Eigen::Vector3d angles_deg = Eigen::Vector3d::Zero();
     reader.read("roll_pitch_yaw_deg", angles_deg.data(), 3, {-360.0, 360.0});
