@@ -61,7 +61,8 @@ void draw_sites(const HudContent& content) {
         draw_warning(
             fmt::format("{} {} hidden (L)", num_hidden, num_hidden == 1 ? "site is" : "sites are"));
     if (!content.missing_file.empty())
-        draw_warning(content.missing_file + " is missing, damaged or closed: see the log, --viewer.models");
+        draw_warning(content.missing_file +
+                     " is missing, damaged or closed: see the log, --viewer.models");
     for (const SiteLine& line : content.sites)
         if (line.number > 0 && line.is_warning) draw_warning(line.name + ": " + line.state);
 }

@@ -223,10 +223,8 @@ private:
                 toggle(are_views_shown_);
                 break;
             case Action::kPreviousSite:
-                sites_.choose(-1);
-                break;
             case Action::kNextSite:
-                sites_.choose(1);
+                sites_.choose(key.action == Action::kNextSite ? 1 : -1);
                 break;
             case Action::kHideSite:
                 choose_site(events_.hide_site, "X hides");
@@ -236,6 +234,7 @@ private:
                 break;
             case Action::kWalk:
                 toggle(walks_);
+                events_.edit.hint = walks_ ? "W A S D walk on the floor; G: fly again" : "flying";
                 break;
             case Action::kRemovePointed:
                 events_.remove_pointed = true;
