@@ -182,7 +182,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
         if (auto applied = drawing->apply(); !applied) return applied;
     }
     if (events.reset_scene)
-        show_notice(statistics.servers().are_there ? "asked to reset all objects"
+        show_notice(statistics.servers().are_there ? "asking the world server to reset all objects"
                                                    : "not reset: no world server is running");
     if (!events.edit.hint.empty()) show_notice(events.edit.hint);
     if (events.debug) picture.annotations->toggle_debug();

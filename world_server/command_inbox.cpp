@@ -10,6 +10,10 @@ namespace {
 constexpr std::size_t kMaxCommands = 256;  // queued for the next tick
 constexpr std::size_t kMaxLeft = 1024;     // equals the number of senders with a budget
 
+std::string not_allowed(const std::string& sender, const char* right) {
+    return fmt::format("not allowed to {} by [rights] {} of the world file", sender, right);
+}
+
 }  // namespace
 
 std::optional<std::string> CommandInbox::put(bus::SceneCommand&& command,
@@ -20,7 +24,9 @@ std::optional<std::string> CommandInbox::put(bus::SceneCommand&& command,
         return fmt::format("more than {:g} commands a second", rights_.max_per_s);
     }
     if (!right_to(rights_, command.kind).allows(command.sender)) {
-        return fmt::format("{}: not allowed to this sender", to_string(command.kind));
+        return fmt::format("{}: {}",
+                           to_string(command.kind),
+                           not_allowed(command.sender, right_name(command.kind)));
     }
     if (content_.commands.size() >= kMaxCommands) return "too many commands at once";
     content_.commands.push_back(std::move(command));
@@ -33,14 +39,7 @@ std::optional<std::string> CommandInbox::admit(const bus::SceneEdit& edit,
     if (!rates_.admit(edit.sender, now))
         return fmt::format("more than {:g} commands a second", rights_.max_per_s);
     if (right_to(rights_, edit.kind).allows(edit.sender)) return std::nullopt;
-    const bool is_of_files =
-        edit.kind == bus::EditKind::kSaveWorld || edit.kind == bus::EditKind::kLoadWorld;
-    return fmt::format("not allowed to {} by [rights] {} of the world file",
-                       edit.sender,
-                       is_of_files                           ? "save"
-                       : edit.kind == bus::EditKind::kAdd    ? "add"
-                       : edit.kind == bus::EditKind::kRemove ? "remove"
-                                                             : "edit");
+    return not_allowed(edit.sender, right_name(edit.kind));
 }
 
 bool CommandInbox::put_prepared(PreparedEdit edit) {

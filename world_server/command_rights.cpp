@@ -50,6 +50,41 @@ const Right& right_to(const Rights& rights, bus::EditKind kind) {
     return rights.save;
 }
 
+const char* right_name(bus::CommandKind kind) {
+    switch (kind) {
+        case bus::CommandKind::kAdd:
+            return "add";
+        case bus::CommandKind::kRemove:
+            return "remove";
+        case bus::CommandKind::kReset:
+            return "reset";
+        case bus::CommandKind::kPush:
+            return "push";
+        case bus::CommandKind::kGrab:
+        case bus::CommandKind::kMove:
+        case bus::CommandKind::kRelease:
+            return "grab";
+        case bus::CommandKind::kSave:
+        case bus::CommandKind::kRestore:
+            break;
+    }
+    return "save";
+}
+
+const char* right_name(bus::EditKind kind) {
+    switch (kind) {
+        case bus::EditKind::kAdd:
+            return "add";
+        case bus::EditKind::kRemove:
+            return "remove";
+        case bus::EditKind::kSaveWorld:
+        case bus::EditKind::kLoadWorld:
+            return "save";
+        default:
+            return "edit";
+    }
+}
+
 const char* to_string(bus::EditKind kind) {
     constexpr std::array kNames{
         "add", "change", "place", "remove", "hold", "let go", "save world", "load world"};

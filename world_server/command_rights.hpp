@@ -15,6 +15,10 @@ const Right& right_to(const Rights& rights, bus::CommandKind kind);
 
 const Right& right_to(const Rights& rights, bus::EditKind kind);
 
+/// Returns the key of that right in the world file.
+const char* right_name(bus::CommandKind kind);
+const char* right_name(bus::EditKind kind);
+
 const char* to_string(bus::CommandKind kind);
 const char* to_string(bus::EditKind kind);
 

@@ -41,6 +41,9 @@ void Simulation::refuse(const bus::SceneCommand& command, const std::string& why
         ++figures_.num_refused;
     }
     reject_("command of " + command.sender + ": " + why);
+    if (auto answer = answers_.refused(
+            command.sender, command.kind, command.target, why, CommandAnswers::Clock::now()))
+        outbox_.put(std::move(*answer));
 }
 
 void Simulation::apply(const bus::SceneCommand& command) {
@@ -55,6 +58,8 @@ void Simulation::apply(const bus::SceneCommand& command) {
     const auto changes = scene_.apply(command);
     if (!changes) return refuse(command, changes.error().message);
     for (const SceneChange& change : *changes) outbox_.put(change);
+    if (auto answer = answers_.done(command.sender, command.kind, CommandAnswers::Clock::now()))
+        outbox_.put(std::move(*answer));
     if (command.kind == bus::CommandKind::kReset || !changes->empty())
         commands_log_.info(fmt::format("{} by={}", to_string(command.kind), command.sender));
 }

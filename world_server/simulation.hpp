@@ -3,6 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/base/statistics.hpp"
 #include "core/bus/messages.hpp"
+#include "world_server/command_answers.hpp"
 #include "world_server/command_inbox.hpp"
 #include "world_server/config.hpp"
 #include "world_server/edit_worker.hpp"
@@ -36,6 +37,7 @@ public:
 
     PeopleInbox& people() { return people_; }
     CommandInbox& commands() { return commands_; }
+    CommandAnswers& answers() { return answers_; }
     Outbox& outbox() { return outbox_; }
     StateSaver& saver() { return saver_; }
     EditWorker& edit_worker() { return edit_worker_; }
@@ -77,6 +79,7 @@ private:
     std::function<void(const std::string& why)> reject_;
     PeopleInbox people_;
     CommandInbox commands_;
+    CommandAnswers answers_;
     Outbox outbox_;
     StateSaver saver_;
     EditWorker edit_worker_{config_, commands_, outbox_};

@@ -200,12 +200,20 @@ void WorldServer::Impl::take_commands() {
     count_rejected(endpoints.commands.take(
         [&](bus::SceneCommand&& command) {
             const std::string sender = command.sender;
+            const bus::CommandKind kind = command.kind;
+            const std::uint32_t target = command.target;
             if (const auto why = simulation.commands().put(std::move(command), now)) {
                 ++num_refused;
                 reject("command of " + sender + ": " + *why);
+                if (auto answer = simulation.answers().refused(sender, kind, target, *why, now))
+                    simulation.outbox().put(std::move(*answer));
             }
         },
-        [&](const bus::SceneCommand& gone) { simulation.commands().leave(gone.sender); }));
+        [&](const bus::SceneCommand& gone) {
+            simulation.commands().leave(gone.sender);
+            simulation.answers().forget(gone.sender);
+            simulation.outbox().leave(gone.sender);
+        }));
 }
 
 void WorldServer::Impl::take_edits() {

@@ -251,14 +251,15 @@ struct SceneEdit {
     SceneObject object;  // kAdd: complete; kChange: new properties; kPlace: start pose
 };
 
-/// The outcome of a SceneEdit. For each edit, except for holds that are not refused.
+/// The outcome of a SceneEdit. For each edit, except for holds that are not refused. Without number
+/// also of a SceneCommand: a grab, push or reset that was refused, or a reset.
 struct EditResult {
     std::string sender;  // of the edit
     std::uint32_t number = 0;
     bool is_done = false;        // false: refused, nothing has changed
     std::uint32_t object = 0;    // target; of kAdd the new id
     std::uint32_t revision = 0;  // of that object after the edit
-    std::string text;            // reason of a refusal, at most 255 printable ASCII characters
+    std::string text;  // reason of a refusal, or news; at most 255 printable ASCII characters
 };
 
 /// A world in the server's folder of saved worlds.

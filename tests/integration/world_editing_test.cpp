@@ -32,6 +32,7 @@ protected:
         config_.models_folder = atrium::test::source_dir() + "/deploy/worlds";
         config_.rights.save = {.everyone = true, .names = {}};
         config_.rights.edit = {.everyone = false, .names = {"alice", "bob"}};
+        config_.rights.grab = config_.rights.reset = config_.rights.edit;
         world_server::WorldObject floor;
         floor.rigid.id = kEditFloor;
         floor.name = "floor";
@@ -220,6 +221,25 @@ TEST_F(WorldEditing, ChangesReachLateJoinersAndUndoRespectsOthers) {
     EXPECT_TRUE(bob.until([&] { return bob.objects().at(kEditBox).mass_kg == 5.0; }));
     change(alice, [](bus::SceneObject& box) { box.mass_kg = 1e5; });
     EXPECT_TRUE(alice.has_said("mass_kg"));
+}
+
+TEST_F(WorldEditing, AnswersAPullAndAResetThatAreNotAllowed) {
+    Editor alice("alice");
+    Editor carol("carol");
+    ASSERT_TRUE(is_ready(alice) && is_ready(carol));
+    carol.drag({0.0, 0.0, 0.15}, {0.3, 0.0, 0.4});
+    EXPECT_TRUE(
+        carol.has_said("not pulled: not allowed to carol by [rights] grab of the world file"));
+    carol.hold_button(false);
+    viewer::SurfaceEvents reset;
+    reset.reset_scene = true;
+    carol.step(reset);
+    EXPECT_TRUE(
+        carol.has_said("not reset: not allowed to carol by [rights] reset of the world file"));
+    EXPECT_EQ(carol.texts().size(), 2U) << "one answer for all the moves of a pull";
+    alice.step(reset);
+    EXPECT_TRUE(alice.has_said("all objects were reset"));
+    EXPECT_EQ(carol.texts().size(), 2U) << "answers go to their sender only";
 }
 
 TEST_F(WorldEditing, EscapeEndsADragWithoutATraceAndEarlierEditsCanStillBeUndone) {

@@ -185,8 +185,9 @@ std::vector<std::string> EditHistory::take(const std::vector<bus::EditResult>& r
                 return pending.number == result.number;
             });
         if (found == pending_.end()) {
-            // not watched: a hold that was refused, or the end of a cancelled drag
-            if (!result.is_done) texts.push_back(result.text);
+            // not watched: a hold that was refused, the end of a cancelled drag, or a command,
+            // whose answer has no number
+            if (!result.is_done || result.number == 0) texts.push_back(result.text);
             if (result.is_done && result.revision > 0) revisions_[result.object] = result.revision;
             continue;
         }

@@ -56,7 +56,11 @@ WorldEditing::Edits WorldEditing::update(const EditEvents& events,
     was_down_ = shown.pointer.is_down;
     if (is_pressed) press(shown, now);
     const double least_drag_px = kClickPx * std::max(1.0, shown.pointer.height_px / kClickHeightPx);
-    if ((shown.pointer.at_px - pressed_px_).norm() > least_drag_px) is_click_ = false;
+    if ((shown.pointer.at_px - pressed_px_).norm() > least_drag_px) {
+        is_click_ = false;
+        is_pull_ = is_pull_ || shown.pointer.is_down;
+    }
+    if (is_pull_ && !refused_pull_.empty()) texts_.push_back(std::exchange(refused_pull_, {}));
     if (drag_)
         drag(events, shown, now, out);
     else if (is_released && std::exchange(is_click_, false))
@@ -102,6 +106,8 @@ void WorldEditing::take_keys(const EditEvents& events,
 
 void WorldEditing::press(const Shown& shown, Clock::time_point now) {
     is_click_ = true;
+    is_pull_ = false;
+    refused_pull_.clear();
     pressed_px_ = shown.pointer.at_px;
     const auto object = object_of(selected_, shown);
     if (!object || object->object.shape == bus::Shape::kSoft) return;
@@ -205,10 +211,21 @@ WorldEditing::Edits WorldEditing::remove(std::uint32_t object,
     return {history_.remove(*removed, now)};
 }
 
+// A click that selects also takes hold of the object for a moment: only a drag is told that it may
+// not pull.
+void WorldEditing::take_refused_pulls(std::vector<bus::EditResult>& results) {
+    std::erase_if(results, [this](const bus::EditResult& result) {
+        const bool is_pull = result.number == 0 && result.object != 0 && !result.is_done;
+        if (is_pull) refused_pull_ = result.text;
+        return is_pull;
+    });
+}
+
 std::vector<std::string> WorldEditing::take(EditNews news, Clock::time_point now) {
     if (news.is_server_gone) worlds_.reset();
     if (news.saved_worlds)
         worlds_ = std::make_shared<const bus::SavedWorlds>(std::move(*news.saved_worlds));
+    take_refused_pulls(news.results);
     // the server refused the hold
     const bool was_hold_refused =
         drag_ && std::any_of(news.results.begin(), news.results.end(), [&](const auto& result) {

@@ -67,6 +67,7 @@ private:
     std::optional<EditHistory::Object> object_of(std::uint32_t id, const Shown& shown) const;
     EditHandles handles_of(const EditHistory::Object& object) const;
     void take_keys(const EditEvents& events, const Shown& shown, Clock::time_point now, Edits& out);
+    void take_refused_pulls(std::vector<bus::EditResult>& results);
     void select_by_click(const Shown& shown);
     void press(const Shown& shown, Clock::time_point now);
     void drag(const EditEvents& events, const Shown& shown, Clock::time_point now, Edits& out);
@@ -87,9 +88,11 @@ private:
     geometry::RigidTransform sent_{};
     Clock::time_point sent_at_;
     bool was_down_ = false;
-    bool lets_go_ = false;     // the drag has ended without a place
-    bool owns_press_ = false;  // the button was pressed on a handle
-    bool is_click_ = false;    // pressed, and not moved since
+    bool lets_go_ = false;      // the drag has ended without a place
+    bool owns_press_ = false;   // the button was pressed on a handle
+    bool is_click_ = false;     // pressed, and not moved since
+    bool is_pull_ = false;      // of the last press: it moved further than a click
+    std::string refused_pull_;  // answer to the last press, not shown yet; empty: none
     Eigen::Vector2d pressed_px_ = Eigen::Vector2d::Zero();
     std::vector<std::string> texts_;
 };

@@ -1,3 +1,4 @@
+#include "world_server/command_answers.hpp"
 #include "world_server/command_inbox.hpp"
 #include "world_server/command_rights.hpp"
 
@@ -99,7 +100,8 @@ TEST(CommandInbox, RefusesForbiddenTooFrequentAndTooManyCommands) {
     CommandInbox inbox(rights);
     const CommandRates::Clock::time_point now{};
     EXPECT_FALSE(inbox.put(command("bob", CommandKind::kReset), now));
-    EXPECT_THAT(inbox.put(command("eve", CommandKind::kReset), now).value(), HasSubstr("reset"));
+    EXPECT_EQ(inbox.put(command("eve", CommandKind::kReset), now).value(),
+              "reset: not allowed to eve by [rights] reset of the world file");
     int num_fast = 0;
     int num_many = 0;
     for (int i = 0; i < 400; ++i) {
@@ -116,6 +118,49 @@ TEST(CommandInbox, RefusesForbiddenTooFrequentAndTooManyCommands) {
     EXPECT_EQ(content.commands.front().sender, "bob") << "in order";
     EXPECT_TRUE(content.left.contains("eve"));
     EXPECT_TRUE(inbox.take_all().commands.empty());
+}
+
+TEST(CommandAnswers, TellASenderAtALimitedRateWhyItsCommandsHaveNoEffect) {
+    CommandAnswers answers;
+    const CommandAnswers::Clock::time_point start{};
+    const std::string why = "grab: not allowed to eve by [rights] grab of the world file";
+    const auto first = answers.refused("eve", CommandKind::kGrab, 7, why, start);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->sender, "eve");
+    EXPECT_EQ(first->text, "not pulled: not allowed to eve by [rights] grab of the world file");
+    EXPECT_FALSE(first->is_done);
+    EXPECT_EQ(first->number, 0U) << "no edit has it";
+    EXPECT_EQ(first->object, 7U);
+    int num_answers = 0;
+    for (int i = 0; i < 15; ++i)
+        num_answers += answers.refused("eve", CommandKind::kGrab, 7, why, start + i * 16ms) ? 1 : 0;
+    EXPECT_EQ(num_answers, 0);
+    const auto reset = answers.refused("eve", CommandKind::kReset, 7, why, start);
+    ASSERT_TRUE(reset) << "another command";
+    EXPECT_EQ(reset->object, 0U);
+    EXPECT_TRUE(answers.refused("joe", CommandKind::kGrab, 7, why, start)) << "another sender";
+    EXPECT_TRUE(answers.refused("eve", CommandKind::kGrab, 7, why, start + 250ms));
+}
+
+TEST(CommandAnswers, SkipWhatFollowsAGrabAndWhatTheViewerWatchesItself) {
+    CommandAnswers answers;
+    for (const CommandKind kind :
+         {CommandKind::kMove, CommandKind::kRelease, CommandKind::kAdd, CommandKind::kRemove})
+        EXPECT_FALSE(answers.refused("eve", kind, 7, "no", {})) << to_string(kind);
+    EXPECT_FALSE(answers.done("eve", CommandKind::kGrab, {}));
+    const auto reset = answers.done("eve", CommandKind::kReset, {});
+    ASSERT_TRUE(reset);
+    EXPECT_TRUE(reset->is_done);
+    EXPECT_EQ(reset->text, "all objects were reset");
+}
+
+TEST(CommandAnswers, RememberABoundedNumberOfSenders) {
+    CommandAnswers answers;
+    for (int i = 0; i < 5000; ++i)
+        answers.refused("eve" + std::to_string(i), CommandKind::kPush, 7, "no", {});
+    EXPECT_LE(answers.num_remembered(), 4096U);
+    answers.forget("eve7");
+    EXPECT_TRUE(answers.refused("eve7", CommandKind::kPush, 7, "no", {}));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 using History = EditHistory;
 const History::Clock::time_point kBegin{};
 
@@ -127,6 +128,18 @@ TEST(EditHistory, ReportsWhatHasNoResult) {
         history.take(
             {answer(history.edit(bus::EditKind::kHold, 7), 0, 7, "held by bob")}, true, kBegin),
         ElementsAre("held by bob"));
+}
+
+TEST(EditHistory, PassesOnAnswersToCommands) {
+    History history("eve");
+    history.change(thing_of(7, 1.0), thing_of(7, 2.0).object, kBegin);
+    const bus::SceneEdit without_number;
+    bus::EditResult done = answer(without_number, 0, 0);
+    done.text = "all objects were reset";
+    EXPECT_THAT(history.take({answer(without_number, 0, 0, "not pulled"), done}, true, kBegin),
+                ElementsAre("not pulled", "all objects were reset"));
+    EXPECT_EQ(history.undo_step(), nullptr);
+    EXPECT_THAT(history.take({}, true, kBegin + 3s), SizeIs(1)) << "the change is still awaited";
 }
 
 }  // namespace

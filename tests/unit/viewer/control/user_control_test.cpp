@@ -24,7 +24,7 @@ protected:
     }
     UserControl::Shown shown() {
         const auto none = [](const Ray&) { return std::optional<Hit>(); };
-        return {{}, none, {}, objects_, none, states_, {}};
+        return {pointer_, none, {}, objects_, none, states_, {}};
     }
     std::vector<std::string> texts(const SurfaceEvents& events) {
         control_.move(events, shown(), now_);
@@ -32,6 +32,7 @@ protected:
         return control_.take({}, now_);
     }
 
+    Pointer pointer_;
     SceneEditor::Objects objects_;
     std::vector<bus::ObjectState> states_;
     UserControl::Clock::time_point now_{};
@@ -51,6 +52,35 @@ TEST_F(UserKeys, AnswerWhenTheyHaveNoEffect) {
     events.remove_pointed = true;
     EXPECT_THAT(texts(events),
                 ElementsAre("nothing to remove here: select an object, or point at one"));
+}
+
+TEST_F(UserKeys, AClickThatMayNotPullSelectsInSilence) {
+    const auto refuse = [&] {
+        EditNews news;
+        news.results.push_back(
+            {.sender = "eve", .number = 0, .object = 3, .text = "not pulled: not allowed to eve"});
+        return control_.take(news, now_);
+    };
+    const auto point = [&](double x_px, bool is_down) {
+        pointer_.at_px = {x_px, 0.0};
+        pointer_.is_down = is_down;
+        control_.move({}, shown(), now_);
+        return control_.take({}, now_);
+    };
+    const auto told = ElementsAre("not pulled: not allowed to eve");
+    point(0, true);
+    EXPECT_THAT(refuse(), IsEmpty());
+    EXPECT_THAT(point(2, true), IsEmpty()) << "as far as a click";
+    EXPECT_THAT(point(2, false), IsEmpty());
+    point(0, true);
+    EXPECT_THAT(point(50, true), IsEmpty()) << "of the last press";
+    EXPECT_THAT(refuse(), IsEmpty());
+    EXPECT_THAT(point(60, true), told);
+    EXPECT_THAT(point(60, false), IsEmpty()) << "once";
+    point(0, true);
+    point(50, false);
+    EXPECT_THAT(refuse(), IsEmpty());
+    EXPECT_THAT(point(90, false), IsEmpty()) << "the move after the release is none of the press";
 }
 
 TEST_F(UserKeys, ReturnToTheStartThatTheViewerChose) {
