@@ -271,6 +271,31 @@ TEST_F(WorldEditing, EscapeEndsADragWithoutATraceAndEarlierEditsCanStillBeUndone
     alice.hold_button(false);
 }
 
+TEST_F(WorldEditing, DuplicatesStandBesideTheirOriginalAndUndoRemovesThem) {
+    Editor alice("alice");
+    ASSERT_TRUE(is_ready(alice));
+    for (const auto& [original, name] :
+         {std::pair(kEditBox, "box_2"), std::pair(kEditShelf, "shelf_2")}) {
+        alice.ask([&, id = original](auto& edit) { edit.select = id; });
+        alice.ask([](auto& edit) { edit.duplicate = true; });
+        ASSERT_TRUE(alice.has_said(std::string(name) + " was added"));
+        ASSERT_TRUE(alice.until([&, id = original] {
+            const auto edit = alice.edit();
+            return edit.selected && edit.selected->object != id;
+        }));
+        const bus::SceneObject copy = *alice.edit().selected;
+        EXPECT_EQ(copy.name, name);
+        EXPECT_EQ(copy.mass_kg, alice.objects().at(original).mass_kg);
+        EXPECT_EQ(copy.size_m, alice.objects().at(original).size_m);
+        EXPECT_EQ(copy.colour, alice.objects().at(original).colour);
+        EXPECT_NEAR(alice.place_of(original).z(), copy.world_from_object.translation.z(), 0.01);
+        alice.draw(name);
+    }
+    EXPECT_LT(alice.place_of(kEditBox).norm(), 0.2) << "nothing pushed it";
+    for (int i = 0; i < 2; ++i) alice.ask([](auto& edit) { edit.undo = true; });
+    EXPECT_TRUE(alice.until([&] { return alice.objects().size() == 3; }));
+}
+
 TEST_F(WorldEditing, RemovedObjectsComeBackUnderTheirNumber) {
     Editor alice("alice");
     ASSERT_TRUE(is_ready(alice));

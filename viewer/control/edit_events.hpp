@@ -31,6 +31,7 @@ struct EditEvents {
     bool local_axes = false;    // switch between the axes of the object and those of the world
     bool snaps = false;         // while true, in steps of 10 cm or 15 degrees
     std::optional<int> axis;    // 0, 1, 2: only along or about this axis
+    bool duplicate = false;     // the selected object
     bool undo = false;
     bool redo = false;
     bool cancel = false;                     // ends the drag, then the selection

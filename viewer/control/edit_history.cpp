@@ -209,6 +209,11 @@ std::vector<std::string> EditHistory::take(const std::vector<bus::EditResult>& r
     return texts;
 }
 
+bool EditHistory::is_adding() const {
+    return std::ranges::any_of(
+        pending_, [](const Pending& pending) { return pending.kind == bus::EditKind::kAdd; });
+}
+
 std::uint32_t EditHistory::take_added() { return std::exchange(added_, 0); }
 
 }  // namespace atrium::viewer

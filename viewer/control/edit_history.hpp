@@ -64,6 +64,8 @@ public:
 
     /// Object that the last finished edit added or brought back, once. 0: none.
     std::uint32_t take_added();
+    /// An object was added whose result has not come yet.
+    bool is_adding() const;
     const Step* undo_step() const { return undone_from_.empty() ? nullptr : &undone_from_.back(); }
     const Step* redo_step() const { return redone_from_.empty() ? nullptr : &redone_from_.back(); }
 

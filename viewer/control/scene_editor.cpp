@@ -89,6 +89,26 @@ Eigen::Vector3d beside_taken(const Eigen::Vector3d& at,
     return at;
 }
 
+// crate, crate_2, crate_3: the first that is free.
+std::string free_name(const std::string& name,
+                      const std::map<std::uint32_t, bus::SceneObject>& objects) {
+    constexpr std::size_t kMaxLength = 63;
+    constexpr std::size_t kMostDigits = 3;  // more are a year or a number of a part
+    std::string stem = name;
+    const std::size_t last = name.find_last_not_of("0123456789");
+    if (last != std::string::npos && last > 0 && name[last] == '_') {
+        const std::size_t digits = name.size() - last - 1;
+        if (digits >= 1 && digits <= kMostDigits) stem.resize(last);
+    }
+    for (int i = 2;; ++i) {
+        const std::string ending = fmt::format("_{}", i);
+        std::string wanted = stem.substr(0, kMaxLength - ending.size()) + ending;
+        const bool is_free = std::ranges::none_of(
+            objects, [&](const auto& there) { return there.second.name == wanted; });
+        if (is_free) return wanted;
+    }
+}
+
 }  // namespace
 
 bus::SceneObject make_object(const NewObject& wanted,
@@ -121,6 +141,29 @@ bus::SceneObject make_object(const NewModel& wanted,
     object.world_from_object.translation =
         beside_taken(place_before(eye, object.size_m), object.size_m, eye, taken);
     return object;
+}
+
+bus::SceneObject make_copy(const bus::SceneObject& original,
+                           const geometry::RigidTransform& pose,
+                           const std::map<std::uint32_t, bus::SceneObject>& objects,
+                           const renderer::EyeView& eye,
+                           std::vector<TakenPlace> taken) {
+    constexpr double kGapM = 0.05;
+    bus::SceneObject copy = original;
+    copy.object = 0;
+    copy.name = free_name(original.name, objects);
+    copy.world_from_object = pose;
+    const Eigen::Vector3d size_m =
+        pose.rotation.toRotationMatrix().cwiseAbs() * original.size_m;  // along the world's axes
+    const double radius_m = 0.5 * std::hypot(size_m.x(), size_m.y());
+    taken.push_back({pose.translation.head<2>(), radius_m});
+    Eigen::Vector3d& at = copy.world_from_object.translation;
+    at = beside_taken(pose.translation, size_m, eye, taken);
+    if (at == pose.translation) {  // no free place in the picture
+        const Eigen::Vector3d right = eye.view_from_world.row(0).head<3>().transpose();
+        at += (2.0 * radius_m + kGapM) * right;
+    }
+    return copy;
 }
 
 bus::SceneCommand SceneEditor::command(bus::CommandKind kind) const {

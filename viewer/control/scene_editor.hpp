@@ -43,6 +43,14 @@ bus::SceneObject make_object(const NewModel& wanted,
                              const renderer::EyeView& eye,
                              const std::vector<TakenPlace>& taken = {});
 
+/// Copies an object that stands at `pose`. The copy has a name that no object has (crate, crate_2,
+/// crate_3) and stands beside it, at its height, aside of what is `taken`.
+bus::SceneObject make_copy(const bus::SceneObject& original,
+                           const geometry::RigidTransform& pose,
+                           const std::map<std::uint32_t, bus::SceneObject>& objects,
+                           const renderer::EyeView& eye,
+                           std::vector<TakenPlace> taken);
+
 /// Builds the commands that add and remove objects, and detects whether they took effect. The
 /// server does not reply, so the editor watches the objects of the world.
 class SceneEditor {

@@ -141,6 +141,8 @@ UserControl::Commands UserControl::edit(const SurfaceEvents& events,
     if (events.edit.add_model)
         add_to(edits_,
                editing_.add(make_object(*events.edit.add_model, eye, taken_places(shown)), now));
+    if (events.edit.duplicate)
+        add_to(edits_, editing_.duplicate(edit_shown(shown), taken_places(shown), now));
     if (events.remove) remove(*events.remove, shown, now, commands);
     if (events.remove_pointed && !is_fixed_) {
         const auto hit =

@@ -80,9 +80,15 @@ void WorldEditing::take_keys(const EditEvents& events,
                              Clock::time_point now,
                              Edits& out) {
     if (events.select) selected_ = *events.select;
-    if (events.next_handles && !drag_)
+    const bool has_selected = object_of(selected_, shown).has_value();
+    if (events.next_handles && !has_selected)
+        texts_.emplace_back("J switches the handles of the selected object: click one");
+    else if (events.next_handles && !drag_)
         mode_ = mode_ == HandleMode::kMove ? HandleMode::kRotate : HandleMode::kMove;
-    if (events.local_axes && !drag_) is_local_ = !is_local_;
+    if (events.local_axes && !has_selected)
+        texts_.emplace_back("C switches the axes of the selected object: click one");
+    else if (events.local_axes && !drag_)
+        is_local_ = !is_local_;
     if (events.axis && drag_) drag_->constrain(*events.axis, shown.pointer, shown.eye);
     if (events.undo && !drag_) history_.want_undo();
     if (events.redo && !drag_) history_.want_redo();
@@ -201,6 +207,26 @@ void WorldEditing::select_by_click(const Shown& shown) {
 
 WorldEditing::Edits WorldEditing::add(const bus::SceneObject& object, Clock::time_point now) {
     return {history_.add(object, now)};
+}
+
+WorldEditing::Edits WorldEditing::duplicate(const Shown& shown,
+                                            const std::vector<TakenPlace>& taken,
+                                            Clock::time_point now) {
+    const auto original = object_of(selected_, shown);
+    const auto refuse = [&](std::string why) -> Edits {
+        texts_.push_back(std::move(why));
+        return {};
+    };
+    if (!original) return refuse("Ctrl+D duplicates the selected object: click one");
+    const std::string& name = original->object.name;
+    if (!is_supported())
+        return refuse(name + " was not duplicated: the world server does not know edits");
+    if (original->object.shape == bus::Shape::kSoft)
+        return refuse(name + " is soft: it cannot be duplicated, only described in the world file");
+    if (drag_) return refuse(name + " was not duplicated: let go of its handle first");
+    if (history_.is_adding())
+        return refuse(name + " was not duplicated: the last new object is still on its way");
+    return add(make_copy(original->object, original->pose, shown.objects, shown.eye, taken), now);
 }
 
 WorldEditing::Edits WorldEditing::remove(std::uint32_t object,

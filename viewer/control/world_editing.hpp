@@ -54,6 +54,10 @@ public:
     bool has_pointer() const { return owns_press_; }
 
     Edits add(const bus::SceneObject& object, Clock::time_point now);
+    /// Adds a copy of the selected object beside it, aside of what is `taken`, or says why not.
+    Edits duplicate(const Shown& shown,
+                    const std::vector<TakenPlace>& taken,
+                    Clock::time_point now);
     /// The pose is where the object is shown.
     Edits remove(std::uint32_t object, const Shown& shown, Clock::time_point now);
 

@@ -175,6 +175,10 @@ void EditPanel::draw_buttons(const EditView& edit, SurfaceEvents& events) {
     }
     if (ImGui::Button("remove")) events.remove = edit.selected->object;
     ImGui::SameLine();
+    if (!is_soft && edit.is_supported) {
+        if (ImGui::Button("duplicate")) events.edit.duplicate = true;
+        ImGui::SameLine();
+    }
     ImGui::BeginDisabled(edit.undo.empty());
     if (ImGui::Button("undo")) events.edit.undo = true;
     ImGui::EndDisabled();

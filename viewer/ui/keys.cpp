@@ -111,6 +111,12 @@ constexpr std::array kBindings{
                false,
                {GLFW_KEY_X, GLFW_KEY_Y, GLFW_KEY_Z},
                true},
+    KeyBinding{Action::kDuplicate,
+               "Ctrl+D",
+               "duplicate the selected object",
+               kControl,
+               false,
+               {GLFW_KEY_D}},
     KeyBinding{Action::kUndo, "Ctrl+Z", "undo the last edit", kControl, false, {GLFW_KEY_Z}},
     KeyBinding{Action::kRedo, "Ctrl+Shift+Z", "redo it", kControl, kShift, {GLFW_KEY_Z}},
     KeyBinding{Action::kRedo, "Ctrl+Y", "redo it", kControl, false, {GLFW_KEY_Y}},
@@ -260,6 +266,9 @@ bool change_selected(const PressedKey& key, EditEvents& edit) {
             return true;
         case Action::kAxis:
             edit.axis = key.number - 1;
+            return true;
+        case Action::kDuplicate:
+            edit.duplicate = true;
             return true;
         case Action::kUndo:
             edit.undo = true;

@@ -30,6 +30,7 @@ enum class Action : std::uint8_t {
     kHandles,
     kLocalAxes,
     kAxis,
+    kDuplicate,
     kUndo,
     kRedo,
     kNames,

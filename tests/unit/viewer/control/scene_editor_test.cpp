@@ -88,6 +88,67 @@ TEST(NewObject, ComesBesideWhatIsThereButStaysInThePicture) {
     EXPECT_EQ(place({{free.head<2>(), 50.0}}), free) << "all is taken";
 }
 
+bus::SceneObject painted_beam() {
+    bus::SceneObject beam = named("crate");
+    beam.object = 3;
+    beam.size_m = {1.2, 0.2, 0.1};
+    beam.mass_kg = 0.0;
+    beam.friction = 0.9;
+    beam.restitution = 0.4;
+    beam.colour = {0.1, 0.2, 0.3};
+    beam.texture = "textures/wood.png";
+    return beam;
+}
+
+TEST(CopyOfAnObject, HasAllOfTheOriginalButNumberNameAndPlace) {
+    const renderer::EyeView eye = renderer::eye_of(kEditorView, 640, 360);
+    const bus::SceneObject beam = painted_beam();
+    geometry::RigidTransform pose;
+    pose.translation = {0.0, 1.0, 0.5};
+    pose.rotation = Eigen::AngleAxisd(0.5 * EIGEN_PI, Eigen::Vector3d::UnitZ());
+    const bus::SceneObject copy = make_copy(beam, pose, {{3, beam}}, eye, {});
+    EXPECT_TRUE(bus::check(copy));
+    EXPECT_EQ(copy.object, 0U);
+    EXPECT_EQ(copy.name, "crate_2");
+    EXPECT_EQ(copy.shape, beam.shape);
+    EXPECT_EQ(copy.size_m, beam.size_m);
+    EXPECT_EQ(copy.mass_kg, 0.0);
+    EXPECT_EQ(copy.friction, 0.9);
+    EXPECT_EQ(copy.restitution, 0.4);
+    EXPECT_EQ(copy.colour, beam.colour);
+    EXPECT_EQ(copy.texture, beam.texture);
+    EXPECT_EQ(copy.world_from_object.rotation.coeffs(), pose.rotation.coeffs());
+    const Eigen::Vector3d aside = copy.world_from_object.translation - pose.translation;
+    EXPECT_NEAR(aside.z(), 0.0, 1e-9);
+    EXPECT_GE(aside.norm(), std::hypot(1.2, 0.2)) << "neither touches the other";
+    EXPECT_LT(aside.norm(), std::hypot(1.2, 0.2) + 0.11);
+}
+
+TEST(CopyOfAnObject, ComesBesideAnOriginalThatIsNotInThePicture) {
+    const renderer::EyeView eye = renderer::eye_of(kEditorView, 640, 360);
+    const bus::SceneObject beam = painted_beam();
+    geometry::RigidTransform pose;
+    pose.translation = {90.0, 1.0, 0.5};
+    const auto at = make_copy(beam, pose, {}, eye, {}).world_from_object.translation;
+    EXPECT_GE((at - pose.translation).norm(), std::hypot(1.2, 0.2));
+    EXPECT_LT((at - pose.translation).norm(), 2.0);
+}
+
+TEST(CopyOfAnObject, HasTheNextFreeName) {
+    const renderer::EyeView eye = renderer::eye_of(kEditorView, 640, 360);
+    const auto name_of_copy = [&](const std::string& name, const std::vector<std::string>& others) {
+        SceneEditor::Objects objects{{1, named(name)}};
+        for (const std::string& other : others)
+            objects[static_cast<std::uint32_t>(objects.size()) + 1] = named(other);
+        return make_copy(named(name), {}, objects, eye, {}).name;
+    };
+    EXPECT_EQ(name_of_copy("crate", {"crate_2", "crate_3"}), "crate_4");
+    EXPECT_EQ(name_of_copy("crate_2", {"crate"}), "crate_3") << "not crate_2_2";
+    EXPECT_EQ(name_of_copy("fair_2024", {}), "fair_2024_2");
+    EXPECT_EQ(name_of_copy("_7", {}), "_7_2") << "nothing would be left";
+    EXPECT_EQ(name_of_copy(std::string(63, 'x'), {}), std::string(61, 'x') + "_2");
+}
+
 TEST(NewObject, IsValidForTheWorld) {
     const renderer::EyeView eye = renderer::eye_of(kEditorView, 640, 360);
     const bus::SceneObject capsule = make_object(

@@ -54,6 +54,61 @@ TEST_F(UserKeys, AnswerWhenTheyHaveNoEffect) {
                 ElementsAre("nothing to remove here: select an object, or point at one"));
 }
 
+TEST_F(UserKeys, SayThatTheyActOnASelectedObject) {
+    SurfaceEvents events;
+    events.edit.duplicate = true;
+    EXPECT_THAT(texts(events), ElementsAre("Ctrl+D duplicates the selected object: click one"));
+    events = {};
+    events.edit.next_handles = true;
+    EXPECT_THAT(texts(events),
+                ElementsAre("J switches the handles of the selected object: click one"));
+    events = {};
+    events.edit.local_axes = true;
+    EXPECT_THAT(texts(events),
+                ElementsAre("C switches the axes of the selected object: click one"));
+    EXPECT_FALSE(control_.edit_view(shown()).handles.is_local);
+    EXPECT_THAT(control_.take_edits(), IsEmpty());
+}
+
+TEST_F(UserKeys, DuplicateTheSelectedObjectSelectItAndUndoRemovesIt) {
+    SurfaceEvents events;
+    events.edit.select = 3;
+    events.edit.duplicate = true;
+    EXPECT_THAT(texts(events),
+                ElementsAre("ball was not duplicated: the world server does not know edits"));
+    EditNews news;
+    news.saved_worlds.emplace();  // the server knows edits
+    control_.take(news, now_);
+    events = {};
+    events.edit.duplicate = true;
+    EXPECT_THAT(texts(events), IsEmpty());
+    const WorldEditing::Edits added = control_.take_edits();
+    ASSERT_EQ(added.size(), 1U);
+    EXPECT_EQ(added[0].kind, bus::EditKind::kAdd);
+    EXPECT_EQ(added[0].object.name, "ball_2");
+    EXPECT_THAT(texts(events),
+                ElementsAre("ball was not duplicated: the last new object is still on its way"));
+    news = {};
+    news.results.push_back({.sender = "eve",
+                            .number = added[0].number,
+                            .is_done = true,
+                            .object = 1000,
+                            .revision = 1,
+                            .text = ""});
+    EXPECT_THAT(control_.take(news, now_), ElementsAre("ball_2 was added"));
+    objects_[1000] = added[0].object;
+    objects_[1000].object = 1000;
+    texts({});
+    EXPECT_EQ(control_.edit_view(shown()).selected->object, 1000U);
+    events = {};
+    events.edit.undo = true;
+    texts(events);
+    const WorldEditing::Edits removed = control_.take_edits();
+    ASSERT_EQ(removed.size(), 1U);
+    EXPECT_EQ(removed[0].kind, bus::EditKind::kRemove);
+    EXPECT_EQ(removed[0].target, 1000U);
+}
+
 TEST_F(UserKeys, AClickThatMayNotPullSelectsInSilence) {
     const auto refuse = [&] {
         EditNews news;
@@ -81,6 +136,20 @@ TEST_F(UserKeys, AClickThatMayNotPullSelectsInSilence) {
     point(50, false);
     EXPECT_THAT(refuse(), IsEmpty());
     EXPECT_THAT(point(90, false), IsEmpty()) << "the move after the release is none of the press";
+}
+
+TEST_F(UserKeys, SayWhySoftObjectsAreNotDuplicated) {
+    EditNews news;
+    news.saved_worlds.emplace();  // the server knows edits
+    control_.take(news, now_);
+    objects_[3].shape = bus::Shape::kSoft;
+    SurfaceEvents events;
+    events.edit.select = 3;
+    events.edit.duplicate = true;
+    EXPECT_THAT(
+        texts(events),
+        ElementsAre("ball is soft: it cannot be duplicated, only described in the world file"));
+    EXPECT_THAT(control_.take_edits(), IsEmpty());
 }
 
 TEST_F(UserKeys, ReturnToTheStartThatTheViewerChose) {

@@ -75,6 +75,8 @@ TEST_F(ViewerWindow, ReportsItsKeys) {
     EXPECT_TRUE(gives("exclam", [&](const SurfaceEvents& e) {
         return asks(e, Ask::kGo) && e.viewpoint->number == 1;
     })) << "Shift+1";
+    display_->press_with_control(kTitle, "d");
+    EXPECT_TRUE(comes_true([&] { return draw().edit.duplicate; }));
     display_->press_with_control(kTitle, "3");
     EXPECT_TRUE(comes_true([&] {
         const SurfaceEvents e = draw();
