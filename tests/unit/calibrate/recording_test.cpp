@@ -282,7 +282,7 @@ TEST_F(ImportedRecording, FindsTheOnlyModelInAFolderOfColmap) {
     const auto several = opened("colmap");
     ASSERT_FALSE(several);
     EXPECT_THAT(several.error().message,
-                AllOf(HasSubstr("holds several models of COLMAP: "),
+                AllOf(HasSubstr("this folder holds 2 models of COLMAP: "),
                       HasSubstr("sparse/0, "),
                       HasSubstr("sparse/1; give the one with all cameras")));
 }

@@ -1,5 +1,6 @@
 #include "tools/calibrate/formats/format.hpp"
 
+#include "tools/calibrate/formats/folder_files.hpp"
 #include "tools/calibrate/formats/rig_name.hpp"
 
 #include <fmt/format.h>
@@ -7,49 +8,17 @@
 #include <fnmatch.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 
 namespace atrium::calibrate {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string suffix_of(const fs::path& file) {
-    std::string suffix = file.extension().string();
-    std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return std::tolower(c); });
-    return suffix;
-}
-
 bool is_colmap(const fs::path& file) {
     const std::string name = file.filename().string();
     std::error_code failure;
     return fs::is_directory(file, failure) || suffix_of(file) == ".bin" || name == "cameras.txt" ||
            name == "images.txt";
-}
-
-bool holds_colmap_model(const fs::path& folder) {
-    std::error_code failure;
-    return fs::exists(folder / "cameras.txt", failure) ||
-           fs::exists(folder / "images.txt", failure) ||
-           fs::exists(folder / "cameras.bin", failure) ||
-           fs::exists(folder / "images.bin", failure);
-}
-
-// The models of COLMAP in its usual folders: FOLDER/0, FOLDER/sparse, FOLDER/sparse/0.
-Files models_below(const fs::path& folder) {
-    constexpr std::size_t kMaxModels = 8;
-    Files models;
-    for (const fs::path& place : {folder, folder / "sparse"}) {
-        std::error_code failure;
-        for (fs::directory_iterator entry(place, failure), end;
-             !failure && entry != end && models.size() < kMaxModels;
-             entry.increment(failure)) {
-            if (holds_colmap_model(entry->path())) models.push_back(entry->path());
-        }
-    }
-    std::ranges::sort(models);
-    return models;
 }
 
 // Finds the format from the first file's name and content.
@@ -95,6 +64,33 @@ Expected<ForeignRig> read(const Files& files, Format format) {
             break;
     }
     return read_kalibr(files);
+}
+
+// The cameras of which this file alone says everything.
+std::vector<std::string> whole_cameras(const fs::path& file, Format format) {
+    std::vector<std::string> names;
+    const auto rig = read({file}, format);
+    if (!rig) return names;
+    for (const ForeignCamera& camera : rig->cameras)
+        if (camera.has_lens && camera.pose) names.push_back(camera.name);
+    return names;
+}
+
+// Files may each hold a part of one calibration, but not each a whole one of the same cameras.
+Expected<void> check_one_calibration(const Files& files, Format format) {
+    if (files.size() < 2 || format == Format::kColmap) return {};
+    std::vector<std::vector<std::string>> names;
+    for (const fs::path& file : files) names.push_back(whole_cameras(file, format));
+    Files same;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const auto has_any_of_mine = [&](const std::vector<std::string>& other) {
+            return &other != &names[i] && other.size() > 1 && names[i].size() > 1 &&
+                   std::ranges::find_first_of(other, names[i]) != other.end();
+        };
+        if (std::ranges::any_of(names, has_any_of_mine)) same.push_back(files[i]);
+    }
+    if (same.empty()) return {};
+    return several_of(same, "calibrations with the same cameras", "give one of them");
 }
 
 // Names become folders and keys: A-Z a-z 0-9 _ . - of at most 63 characters.
@@ -227,53 +223,6 @@ std::optional<Format> format_of(const std::string& name) {
     return std::nullopt;
 }
 
-Expected<Files> with_folders_opened(const Files& files) {
-    constexpr std::array kSuffixes{".yml", ".yaml", ".json", ".xml", ".toml", ".xcp"};
-    constexpr std::size_t kMaxFiles = 256;
-    Files result;
-    for (const fs::path& file : files) {
-        std::error_code failure;
-        if (!fs::is_directory(file, failure) || holds_colmap_model(file)) {
-            result.push_back(file);
-            continue;
-        }
-        Files inside;
-        for (fs::directory_iterator entry(file, failure), end;
-             !failure && entry != end && inside.size() < kMaxFiles;
-             entry.increment(failure)) {
-            const std::string suffix = suffix_of(entry->path());
-            const bool is_calibration =
-                std::ranges::any_of(kSuffixes,
-                                    [&](const char* known) { return suffix == known; }) ||
-                entry->path().filename().string().ends_with(".qca.txt");
-            if (is_calibration && entry->is_regular_file(failure)) inside.push_back(entry->path());
-        }
-        if (inside.empty()) inside = models_below(file);
-        if (inside.size() > 1 && holds_colmap_model(inside.front())) {
-            std::string names;
-            for (const fs::path& model : inside)
-                names += (names.empty() ? "" : ", ") + model.string();
-            return make_error(
-                ErrorKind::kConfiguration,
-                fmt::format("{}: holds several models of COLMAP: {}; give the one with all cameras",
-                            file.string(),
-                            names));
-        }
-        if (inside.empty()) {
-            return make_error(
-                ErrorKind::kNotFound,
-                fmt::format("{}: a folder without a calibration: neither cameras and images of a "
-                            "model of COLMAP (.txt or .bin, often in sparse/0) nor {}, .qca.txt; "
-                            "give the calibration files",
-                            file.string(),
-                            fmt::join(kSuffixes, ", ")));
-        }
-        std::ranges::sort(inside);
-        result.insert(result.end(), inside.begin(), inside.end());
-    }
-    return result;
-}
-
 tl::unexpected<Error> too_many_cameras(const std::string& where) {
     return make_error(
         ErrorKind::kInvalidData,
@@ -311,6 +260,7 @@ Expected<ForeignRig> read_foreign(const Files& files,
         }
         known = *guessed;
     }
+    if (auto one = check_one_calibration(files, *known); !one) return tl::unexpected(one.error());
     auto rig = read(files, *known);
     if (!rig) return rig;
     const std::string where = files.front().string();

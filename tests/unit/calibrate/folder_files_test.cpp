@@ -1,0 +1,83 @@
+// Folders in which several calibrations, or files of other kinds, lie side by side.
+#include "tests/unit/calibrate/foreign_texts.hpp"
+#include "tools/calibrate/formats/format.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::calibrate {
+namespace {
+
+using testing::HasSubstr;
+
+class FolderOfFiles : public testing::Test {
+protected:
+    Expected<ForeignRig> read() const {
+        const auto files = with_folders_opened({folder_.path()});
+        if (!files) return tl::unexpected(files.error());
+        return read_foreign(*files, "auto");
+    }
+    std::string error() const {
+        const auto rig = read();
+        return rig ? "no error" : rig.error().message;
+    }
+    // One file per camera, with the keys at the top.
+    void write_each(const test::Cameras& cameras) const {
+        for (const auto& camera : cameras) {
+            std::string text = test::opencv_yaml({camera}, 1.0);
+            text.erase(text.find(camera.name), camera.name.size() + 2);
+            for (std::size_t at = 0; (at = text.find("\n   ", at)) != std::string::npos; ++at)
+                text.erase(at + 1, 3);
+            folder_.write(camera.name + ".yaml", text);
+        }
+    }
+
+    atrium::test::Random random_{78};
+    test::Folder folder_;
+    test::Cameras cameras_ = test::random_room(random_, 4);
+};
+
+TEST_F(FolderOfFiles, WithTwoCalibrationsOfTheSameCamerasIsRefused) {
+    const auto older = folder_.write("20240212.qca.txt", test::qualisys_xml(cameras_));
+    EXPECT_TRUE(read());
+    const auto newer = folder_.write("20240304.qca.txt", test::qualisys_xml(cameras_));
+    EXPECT_THAT(error(),
+                HasSubstr("this folder holds 2 calibrations with the same cameras: " +
+                          older.string() + ", " + newer.string() + "; give one of them"));
+}
+
+TEST_F(FolderOfFiles, OfAnyFormatMayHoldOneCalibrationOfACamera) {
+    folder_.write("a.toml", test::anipose_toml(cameras_, 1000.0));
+    folder_.write("b.toml", test::anipose_toml({cameras_[1], cameras_[2]}, 1000.0));
+    EXPECT_THAT(error(), HasSubstr("2 calibrations with the same cameras"));
+    folder_.write("b.toml", "# no camera\n");
+    EXPECT_TRUE(read());
+}
+
+TEST_F(FolderOfFiles, WithAPartInEachFileIsOneCalibration) {
+    write_each(cameras_);
+    const auto each = read();
+    ASSERT_TRUE(each) << each.error().message;
+    EXPECT_EQ(each->cameras.size(), cameras_.size());
+    const test::Folder halves;
+    const Files files{
+        halves.write("a.xcp", test::vicon_xcp({cameras_[0], cameras_[1]})),
+        halves.write("b.xcp", test::vicon_xcp({cameras_[2], cameras_[3]})),
+    };
+    const auto both = read_foreign(files, "auto");
+    ASSERT_TRUE(both) << both.error().message;
+    EXPECT_EQ(both->cameras.size(), cameras_.size());
+}
+
+TEST(FilesOfTwoFolders, WithTheSameCamerasAreRefused) {
+    atrium::test::Random random(79);
+    const test::Folder folder;
+    const std::string text = test::opencv_yaml(test::random_room(random, 3), 1.0);
+    const auto rig =
+        read_foreign({folder.write("old/a.yml", text), folder.write("new/a.yml", text)}, "auto");
+    ASSERT_FALSE(rig);
+    EXPECT_THAT(rig.error().message, HasSubstr("these files are 2 calibrations with the same"));
+}
+
+}  // namespace
+}  // namespace atrium::calibrate

@@ -1,0 +1,106 @@
+#include "tools/calibrate/formats/folder_files.hpp"
+
+#include "tools/calibrate/formats/format.hpp"
+#include "tools/calibrate/formats/rig_file.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+namespace atrium::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool holds_colmap_model(const fs::path& folder) {
+    std::error_code failure;
+    return fs::exists(folder / "cameras.txt", failure) ||
+           fs::exists(folder / "images.txt", failure) ||
+           fs::exists(folder / "cameras.bin", failure) ||
+           fs::exists(folder / "images.bin", failure);
+}
+
+// The models of COLMAP in its usual folders: FOLDER/0, FOLDER/sparse, FOLDER/sparse/0.
+Files models_below(const fs::path& folder) {
+    constexpr std::size_t kMaxModels = 8;
+    Files models;
+    for (const fs::path& place : {folder, folder / "sparse"}) {
+        std::error_code failure;
+        for (fs::directory_iterator entry(place, failure), end;
+             !failure && entry != end && models.size() < kMaxModels;
+             entry.increment(failure)) {
+            if (holds_colmap_model(entry->path())) models.push_back(entry->path());
+        }
+    }
+    std::ranges::sort(models);
+    return models;
+}
+
+}  // namespace
+
+std::string suffix_of(const fs::path& file) {
+    std::string suffix = file.extension().string();
+    std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return std::tolower(c); });
+    return suffix;
+}
+
+tl::unexpected<Error> several_of(const Files& files,
+                                 const std::string& what,
+                                 const std::string& cure) {
+    std::string names;
+    for (const fs::path& file : files) names += (names.empty() ? "" : ", ") + file.string();
+    const fs::path folder = files.front().parent_path();
+    const bool is_one_folder = std::ranges::all_of(
+        files, [&](const fs::path& file) { return file.parent_path() == folder; });
+    return make_error(ErrorKind::kConfiguration,
+                      fmt::format("{} {} {}: {}; {}",
+                                  is_one_folder ? "this folder holds" : "these files are",
+                                  files.size(),
+                                  what,
+                                  names,
+                                  cure));
+}
+
+Expected<Files> with_folders_opened(const Files& files) {
+    constexpr std::array kSuffixes{".yml", ".yaml", ".json", ".xml", ".toml", ".xcp"};
+    constexpr std::size_t kMaxFiles = 256;
+    Files result;
+    for (const fs::path& file : files) {
+        std::error_code failure;
+        if (!fs::is_directory(file, failure) || holds_colmap_model(file)) {
+            result.push_back(file);
+            continue;
+        }
+        Files inside;
+        for (fs::directory_iterator entry(file, failure), end;
+             !failure && entry != end && inside.size() < kMaxFiles;
+             entry.increment(failure)) {
+            const std::string suffix = suffix_of(entry->path());
+            const bool is_calibration =
+                std::ranges::any_of(kSuffixes,
+                                    [&](const char* known) { return suffix == known; }) ||
+                entry->path().filename().string().ends_with(".qca.txt");
+            if (is_calibration && entry->is_regular_file(failure)) inside.push_back(entry->path());
+        }
+        if (inside.empty()) inside = models_below(file);
+        if (inside.size() > 1 && holds_colmap_model(inside.front()))
+            return several_of(inside, "models of COLMAP", "give the one with all cameras");
+        if (inside.empty()) {
+            return make_error(
+                ErrorKind::kNotFound,
+                fmt::format("{}: a folder without a calibration: neither cameras and images of a "
+                            "model of COLMAP (.txt or .bin, often in sparse/0) nor {}, .qca.txt; "
+                            "give the calibration files",
+                            file.string(),
+                            fmt::join(kSuffixes, ", ")));
+        }
+        std::ranges::sort(inside);
+        result.insert(result.end(), inside.begin(), inside.end());
+    }
+    return result;
+}
+
+}  // namespace atrium::calibrate
