@@ -1,6 +1,7 @@
 // Folders in which several calibrations, or files of other kinds, lie side by side.
 #include "tests/unit/calibrate/foreign_texts.hpp"
 #include "tools/calibrate/formats/format.hpp"
+#include "tools/calibrate/formats/rig_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -67,6 +68,29 @@ TEST_F(FolderOfFiles, WithAPartInEachFileIsOneCalibration) {
     const auto both = read_foreign(files, "auto");
     ASSERT_TRUE(both) << both.error().message;
     EXPECT_EQ(both->cameras.size(), cameras_.size());
+}
+
+TEST_F(FolderOfFiles, MayHoldTheRigOfAnEarlierImport) {
+    config::Rig rig;
+    rig.cameras = cameras_;
+    const auto lab = folder_.write("lab.toml", rig_text(rig, {"Imported from somewhere."}));
+    EXPECT_THAT(error(), HasSubstr("lab.toml: this is a rig.toml of Atrium already"));
+    write_each(cameras_);
+    const auto beside = read();
+    ASSERT_TRUE(beside) << beside.error().message;
+    EXPECT_EQ(beside->format, "OpenCV");
+    EXPECT_FALSE(read_foreign({lab}, "auto"));  // named by the user
+}
+
+TEST_F(FolderOfFiles, OfColmapMayHoldTheRigOfAnEarlierImport) {
+    config::Rig rig;
+    rig.cameras = cameras_;
+    folder_.write("rig.toml", rig_text(rig, {}));
+    folder_.write("sparse/0/cameras.bin", test::colmap_cameras_bin(cameras_));
+    folder_.write("sparse/0/images.bin", test::colmap_images_bin(cameras_));
+    const auto model = read();
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(model->format, "COLMAP");
 }
 
 TEST(FilesOfTwoFolders, WithTheSameCamerasAreRefused) {

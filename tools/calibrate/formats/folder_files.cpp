@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <functional>
 
 namespace atrium::calibrate {
 namespace {
@@ -85,7 +86,12 @@ Expected<Files> with_folders_opened(const Files& files) {
                 entry->path().filename().string().ends_with(".qca.txt");
             if (is_calibration && entry->is_regular_file(failure)) inside.push_back(entry->path());
         }
-        if (inside.empty()) inside = models_below(file);
+        const auto rigs = std::ranges::partition(inside, std::not_fn(is_rig_file));
+        if (rigs.size() == inside.size()) {
+            if (Files models = models_below(file); !models.empty()) inside = std::move(models);
+        } else {  // those that an import wrote beside its calibration
+            inside.erase(rigs.begin(), rigs.end());
+        }
         if (inside.size() > 1 && holds_colmap_model(inside.front()))
             return several_of(inside, "models of COLMAP", "give the one with all cameras");
         if (inside.empty()) {

@@ -45,8 +45,9 @@ tl::unexpected<Error> too_many_cameras(const std::string& where);
 void keep_cameras(ForeignRig& rig, const std::function<bool(const std::string&)>& is_wanted);
 
 /// Replaces each folder that is no model of COLMAP by the calibration files in it, in the order of
-/// their names, else by the only model of COLMAP in it or in its folder sparse. Error kNotFound for
-/// a folder without any, kConfiguration for several models.
+/// their names, without rigs that an import wrote beside them; else by the only model of COLMAP in
+/// it or in its folder sparse, else by those rigs. Error kNotFound for a folder without any,
+/// kConfiguration for several models.
 Expected<Files> with_folders_opened(const Files& files);
 
 Expected<ForeignRig> read_opencv(const Files& files);

@@ -51,6 +51,18 @@ std::string rig_text(const config::Rig& rig, const std::vector<std::string>& com
     return text;
 }
 
+bool is_rig(const Tree& toml) {
+    const Tree* cameras = find(toml, {"camera"});
+    return cameras != nullptr && cameras->is_array();
+}
+
+bool is_rig_file(const std::filesystem::path& file) {
+    if (file.extension() != ".toml") return false;
+    const auto text = read_bytes(file, kMaxTextBytes);
+    const auto tree = text ? parse_toml(*text, file.string()) : Expected<Tree>(Tree());
+    return tree && is_rig(*tree);
+}
+
 Expected<void> write_text(const std::filesystem::path& file,
                           const std::string& text,
                           bool may_replace) {

@@ -2,6 +2,7 @@
 // matrix, distortions, and rotation (Rodrigues vector) and translation of camera_from_site.
 #include "tools/calibrate/formats/format.hpp"
 #include "tools/calibrate/formats/lens.hpp"
+#include "tools/calibrate/formats/rig_file.hpp"
 
 #include <fmt/format.h>
 
@@ -62,7 +63,7 @@ Expected<ForeignRig> read_toml_cameras(const Files& files) {
         if (!text) return tl::unexpected(text.error());
         const auto tree = parse_toml(*text, file.string());
         if (!tree) return tl::unexpected(tree.error());
-        if (const Tree* own = find(*tree, {"camera"}); own != nullptr && own->is_array()) {
+        if (is_rig(*tree)) {
             return make_error(ErrorKind::kConfiguration,
                               fmt::format("{}: this is a rig.toml of Atrium already; use it as it "
                                           "is, or `calibrate export`",
