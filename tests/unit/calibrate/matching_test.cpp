@@ -83,6 +83,29 @@ TEST(WholeNames, InsideLongerNamesAreThoseOfTheLongerOnes) {
                              Pair("left_back", "take_left_back")));
 }
 
+TEST(WholeNames, OfOneLetterFollowTheWordForACamera) {
+    for (const std::string word : {"camA", "CamA", "Cam A", "camera_A", "cameraA", "Kamera-A"}) {
+        std::string other = word;
+        other.back() = 'B';
+        const std::vector<std::string> labels{"2024-05-01-a-walk-" + word,
+                                              "2024-05-01-a-walk-" + other};
+        EXPECT_THAT(labels_of({"A", "B", "m", "walk", "era", "C"}, labels),
+                    UnorderedElementsAre(Pair("A", labels[0]), Pair("B", labels[1])));
+    }
+    EXPECT_THAT(
+        labels_of({"N", "S", "left"}, {"cams/t1_N", "cams/t1_S", "cams/t1_camleft"}),
+        UnorderedElementsAre(
+            Pair("N", "cams/t1_N"), Pair("S", "cams/t1_S"), Pair("left", "cams/t1_camleft")));
+    EXPECT_THAT(labels_of({"N", "S"}, {"camN", "camS"}),
+                UnorderedElementsAre(Pair("N", "camN"), Pair("S", "camS")));
+    EXPECT_THAT(labels_of({"A", "A_left"}, {"camA_left", "camA"}),
+                UnorderedElementsAre(Pair("A", "camA"), Pair("A_left", "camA_left")));
+    EXPECT_THAT(labels_of({"m", "walk", "ama"}, {"walk_camA"}),
+                testing::Not(Contains(Pair("m", "walk_camA"))));
+    EXPECT_THAT(labels_of({"A", "B"}, {"calib-camA", "walk-camA", "walk-camB"}),
+                ElementsAre(Pair("error", HasSubstr("'calib-camA' or 'walk-camA'"))));
+}
+
 TEST(WholeNames, DoNotTakeTheNumberOfATake) {
     EXPECT_THAT(labels_of({"3", "4"}, {"Trial 3_Miqus_1", "Trial 3_Miqus_4"}),
                 ElementsAre(Pair("4", "Trial 3_Miqus_4")));

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <iterator>
+#include <string_view>
 
 namespace atrium::calibrate {
 namespace {
@@ -26,6 +28,25 @@ std::string joined(const std::vector<std::string>& words) {
     return text;
 }
 
+// Whether a word for a camera ends before `at`: "camA", "Cam A", "camera_A". `part` is in lower
+// case.
+bool follows_word_for_camera(const std::string& part, std::size_t at) {
+    constexpr std::string_view kWhole = "camera";
+    std::size_t end = at;
+    while (end > 0 && std::string_view(" _-.").find(part[end - 1]) != std::string_view::npos) --end;
+    return std::ranges::any_of(std::array{kWhole, std::string_view("kamera"), kWhole.substr(0, 3)},
+                               [&](std::string_view word) {
+                                   const std::string_view before(part.data(), end);
+                                   if (!before.ends_with(word)) return false;
+                                   const std::size_t begin = end - word.size();
+                                   // "era" of "camera" is no name
+                                   const bool is_cut =
+                                       part.compare(begin, kWhole.size(), kWhole) == 0 &&
+                                       at < begin + kWhole.size();
+                                   return !is_cut && (begin == 0 || !is_letter(part[begin - 1]));
+                               });
+}
+
 // Where the whole of `name` is in `part`, not as a piece of a longer word or number.
 std::vector<std::size_t> places_of(const std::string& name, const std::string& part) {
     const auto ends_at = [&](std::size_t i) {
@@ -34,7 +55,9 @@ std::vector<std::size_t> places_of(const std::string& name, const std::string& p
     };
     std::vector<std::size_t> places;
     for (std::size_t at = part.find(name); at != std::string::npos; at = part.find(name, at + 1))
-        if ((at == 0 || ends_at(at - 1)) && ends_at(at + name.size())) places.push_back(at);
+        if ((at == 0 || ends_at(at - 1) || follows_word_for_camera(part, at)) &&
+            ends_at(at + name.size()))
+            places.push_back(at);
     return places;
 }
 
@@ -50,7 +73,12 @@ bool is_beside(const std::string& name, const std::string& longer, const std::st
 }
 
 // How wholly the pictures have a camera's name.
-enum class Whole : std::uint8_t { kNo, kPart, kEqual };
+enum class Whole : std::uint8_t { kNo, kPart, kAfterWordForCamera, kEqual };
+
+bool is_after_word_for_camera(const std::string& name, const std::string& part) {
+    return std::ranges::any_of(places_of(name, part),
+                               [&](std::size_t at) { return follows_word_for_camera(part, at); });
+}
 
 Whole whole_name(const std::string& camera,
                  const std::string& label,
@@ -59,15 +87,20 @@ Whole whole_name(const std::string& camera,
     const std::string name = lower(camera);
     const std::vector<std::string> words = tokens(camera);
     const bool is_mere_number = words.size() == 1 && is_number(words.front());
-    for (const std::string& raw : parts_of(label)) {
+    const std::vector<std::string> parts = parts_of(label);
+    for (const std::string& raw : parts) {
         const std::string part = lower(raw);
         if (part == name) return Whole::kEqual;
+        if (part == "cams" && &raw != &parts.back()) continue;  // the folder of all, not of "S"
         // a number alone may be that of a take
         if (is_mere_number || places_of(name, part).empty()) continue;
         const bool is_own = std::ranges::all_of(cameras, [&](const std::string& other) {
             return other.size() <= name.size() || is_beside(name, lower(other), part);
         });
-        if (is_own) best = Whole::kPart;
+        if (is_own)
+            best = std::max(
+                best,
+                is_after_word_for_camera(name, part) ? Whole::kAfterWordForCamera : Whole::kPart);
     }
     return best;
 }
@@ -137,7 +170,10 @@ int likeness(const std::string& camera,
     for (const std::string& part : parts_of(label)) {
         if (lower(part) == lower(camera)) return 100;
         if (joined(tokens(part)) == joined(name) && !name.empty()) best = std::max(best, 90);
-        if (name.size() > 1 && contains_run(tokens(part), name)) best = std::max(best, 80);
+        const bool is_word = name.size() == 1 && !is_number(name.front());
+        if ((name.size() > 1 && contains_run(tokens(part), name)) ||
+            (is_word && is_after_word_for_camera(lower(camera), lower(part))))
+            best = std::max(best, 80);
     }
     if (contains_run(telling, name)) best = std::max(best, 70);
     const std::string number = last_number(name);
