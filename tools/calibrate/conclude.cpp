@@ -22,6 +22,11 @@ tl::unexpected<Error> needs(const std::string& text) {
     return make_error(ErrorKind::kConfiguration, text);
 }
 
+// Without rotation and translation, but for rounding.
+bool is_at_origin(const ForeignPose& pose) {
+    return pose.rotation.isIdentity(1e-6) && pose.vector.isZero(1e-6);
+}
+
 // Concludes one thing after the other; each step leaves its sentences.
 class Concluder {
 public:
@@ -70,8 +75,9 @@ private:
     const Said& said_;
     Cameras cameras_;
     std::vector<ForeignPose> poses_;
-    bool is_turned_ = false;       // into a frame that is not the file's
-    bool is_turned_axis_ = false;  // z of the new frame is another axis of the file
+    bool is_frame_of_camera_ = false;  // of one that stands at the origin of the file
+    bool is_turned_ = false;           // into a frame that is not the file's
+    bool is_turned_axis_ = false;      // z of the new frame is another axis of the file
     Conclusion result_;
 };
 
@@ -119,8 +125,10 @@ void Concluder::read_poses() {
                                 : "say --direction and --axes"));
         return;
     }
-    for (std::size_t i = 0; i < cameras_.size(); ++i)
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
         if (!looks[i]) report_elsewhere(i);
+        is_frame_of_camera_ = is_frame_of_camera_ || (looks[i] && is_at_origin(poses_[i]));
+    }
     if (!is_said && !choice.also_possible.empty()) {
         check(
             fmt::format("poses: {} would fit the cameras as well; if the person is broken, try {}",
@@ -131,9 +139,7 @@ void Concluder::read_poses() {
 
 // `camera` does not look at the place that most cameras look at.
 void Concluder::report_elsewhere(std::size_t camera) {
-    const ForeignPose& pose = poses_[camera];
-    const bool is_default =
-        pose.rotation.isIdentity(1e-9) && pose.vector.isZero(1e-9) && foreign_.has_frame;
+    const bool is_default = is_at_origin(poses_[camera]) && foreign_.has_frame;
     problem(fmt::format(
         "poses: camera '{}' does not look at the place that the others look at: {}; remove it from "
         "the calibration if it is to look elsewhere",
@@ -250,7 +256,8 @@ void Concluder::find_up() {
 Expected<void> Concluder::find_floor() {
     const Convergence convergence = measure_convergence(cameras_);
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-    if (!foreign_.has_frame || is_turned_) {
+    const bool is_floor_of_file = foreign_.has_frame && !is_turned_ && !is_frame_of_camera_;
+    if (!is_floor_of_file) {
         origin = convergence.point;
         origin.z() -= kUsualAim_m;
         tell("origin: below the place that the cameras look at");
@@ -261,7 +268,7 @@ Expected<void> Concluder::find_floor() {
         origin.z() = cameras_[*camera].centre_site().z() - said_.height->metres;
     }
     move({Eigen::Quaterniond::Identity(), origin});
-    report_floor(convergence.point.z() - origin.z(), foreign_.has_frame && !is_turned_);
+    report_floor(convergence.point.z() - origin.z(), is_floor_of_file);
     return {};
 }
 

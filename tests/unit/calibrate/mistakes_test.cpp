@@ -148,6 +148,28 @@ TEST_F(Mistakes, DecimalCommasAreNamed) {
                 AllOf(HasSubstr("cameras.txt:"), HasSubstr("decimals have a point")));
 }
 
+// As Anipose and FreeMoCap write it: z = 0 would be the height of the lens.
+TEST_F(Mistakes, TheFrameOfALevelCameraHasNoFloor) {
+    const auto of_room = conclude_from("a.toml", test::anipose_toml(cameras_, 1000.0));
+    ASSERT_TRUE(of_room) << of_room.error().message;
+    EXPECT_THAT(of_room->told, Contains(HasSubstr("floor: z = 0 of the file")));
+    test::Cameras level = cameras_;
+    const Eigen::Vector3d centre = level[0].centre_site();
+    const Eigen::Vector3d ahead = Eigen::Vector3d(-centre.x(), -centre.y(), 0.0).normalized();
+    const Eigen::Vector3d right = ahead.cross(Eigen::Vector3d::UnitZ());
+    Eigen::Matrix3d rotation;
+    rotation << right.transpose(), -Eigen::Vector3d::UnitZ().transpose(), ahead.transpose();
+    const geometry::RigidTransform own{Eigen::Quaterniond(rotation), -(rotation * centre)};
+    level[0].camera_from_site = own;
+    for (auto& camera : level) camera.camera_from_site = camera.camera_from_site * own.inverse();
+    const auto result = conclude_from("b.toml", test::anipose_toml(level, 1000.0));
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_THAT(result->checks,
+                Contains(AllOf(HasSubstr("floor: unknown; 1 m below what the cameras look at"),
+                               HasSubstr("--camera-height cam1 METRES"))));
+    EXPECT_GT(result->rig.cameras[0].centre_site().z(), 1.0);  // the lens
+}
+
 TEST_F(Mistakes, AHeightSaysWhereThenTheCamerasLook) {
     Said said;
     const double height = cameras_[0].centre_site().z();
