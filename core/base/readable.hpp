@@ -10,4 +10,7 @@ namespace atrium {
 /// path and tells the reason. kNotFound: it is not there; kConfiguration: anything else.
 Expected<void> check_readable(const std::filesystem::path& file);
 
+/// Error if `folder` is not a folder that this process may list and enter; as `check_readable`.
+Expected<void> check_folder_readable(const std::filesystem::path& folder);
+
 }  // namespace atrium

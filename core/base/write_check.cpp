@@ -35,7 +35,8 @@ Expected<void> check_folder_writable(const std::filesystem::path& folder,
     if (!std::filesystem::is_directory(existing, failure))
         return wrong(existing.string() + " is not a folder");
     if (access(existing.c_str(), W_OK | X_OK) != 0)
-        return wrong("cannot write into " + existing.string() + ": " + reason_of(errno));
+        return wrong("cannot write into " + existing.string() + ": " + reason_of(errno) +
+                     "; make this folder writable, or give another one");
     const std::filesystem::space_info space = std::filesystem::space(existing, failure);
     if (!failure && space.available < bytes) {
         return wrong("the disk is full: needs " + megabytes(bytes) + ", has " +

@@ -1,5 +1,6 @@
 #include "site_node/capture/picture_file.hpp"
 
+#include "core/base/readable.hpp"
 #include "site_node/capture/truncated_picture.hpp"
 #include "site_node/capture/video_length.hpp"
 
@@ -274,13 +275,17 @@ Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::strin
         impl.path = folder / (stem + suffix);
         if (!fs::exists(impl.path, failure)) continue;
         impl.is_video = true;
+        if (auto readable = check_readable(impl.path); !readable)
+            return tl::unexpected(readable.error());
         if (!impl.video.open(impl.path.string(), cv::CAP_FFMPEG)) {
             return make_error(
                 ErrorKind::kInvalidData,
                 fmt::format("{}: cannot open as a video: {}",
                             impl.path.string(),
-                            is_truncated_video(impl.path) ? kTruncatedText
-                                                          : "the file is damaged or empty"));
+                            fs::is_empty(impl.path, failure) ? "the file is empty; copy it again"
+                            : is_truncated_video(impl.path)
+                                ? kTruncatedText
+                                : "the file is damaged, or no video; copy or convert it again"));
         }
         impl.num_in_header =
             static_cast<std::size_t>(std::max(0.0, impl.video.get(cv::CAP_PROP_FRAME_COUNT)));

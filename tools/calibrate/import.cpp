@@ -1,5 +1,6 @@
 #include "tools/calibrate/import.hpp"
 
+#include "core/base/write_check.hpp"
 #include "site_node/capture/recording_source.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
 #include "tools/calibrate/recording/make_recording.hpp"
@@ -201,6 +202,8 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
                         "the pictures; give another -o",
                         options.output.string()));
     }
+    if (auto writable = check_folder_writable(options.output, 0, "-o"); !writable)
+        return tl::unexpected(writable.error());
     const auto material = gather_for(foreign, options);
     if (!material) return tl::unexpected(material.error());
     Said said = options.said;

@@ -1,6 +1,7 @@
 #include "tools/calibrate/formats/data_tree.hpp"
 
 #include "core/base/looked_up.hpp"
+#include "core/base/readable.hpp"
 #include "core/config/toml_nesting.hpp"
 
 #include <Eigen/Geometry>
@@ -91,12 +92,15 @@ std::string toml_reason(const std::string& what) {
 }  // namespace
 
 Expected<std::string> read_bytes(const std::filesystem::path& file, std::size_t max_bytes) {
-    std::error_code failure;
-    if (!std::filesystem::is_regular_file(file, failure)) {
+    if (auto readable = check_readable(file); !readable) {
+        if (readable.error().kind != ErrorKind::kNotFound) return tl::unexpected(readable.error());
         return make_error(
             ErrorKind::kNotFound,
             fmt::format("{}: no such file{}; check the path", file.string(), looked_up_from(file)));
     }
+    std::error_code failure;
+    if (std::filesystem::is_empty(file, failure))
+        return damaged(file.string(), "the file is empty; copy it again");
     if (std::filesystem::file_size(file, failure) > max_bytes || failure) {
         return damaged(file.string(),
                        fmt::format("larger than {} bytes, so it is no calibration", max_bytes));
@@ -104,8 +108,7 @@ Expected<std::string> read_bytes(const std::filesystem::path& file, std::size_t 
     std::ifstream stream(file, std::ios::binary);
     std::ostringstream bytes;
     if (!stream || !(bytes << stream.rdbuf()).good()) {
-        return make_error(ErrorKind::kNotFound,
-                          fmt::format("{}: cannot be read, or is empty", file.string()));
+        return make_error(ErrorKind::kNotFound, fmt::format("{}: cannot be read", file.string()));
     }
     return std::move(bytes).str();
 }

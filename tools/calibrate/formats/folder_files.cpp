@@ -1,5 +1,6 @@
 #include "tools/calibrate/formats/folder_files.hpp"
 
+#include "core/base/readable.hpp"
 #include "tools/calibrate/formats/format.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
 
@@ -75,6 +76,8 @@ Expected<Files> with_folders_opened(const Files& files) {
             result.push_back(file);
             continue;
         }
+        if (auto readable = check_folder_readable(file); !readable)
+            return tl::unexpected(readable.error());
         Files inside;
         for (fs::directory_iterator entry(file, failure), end;
              !failure && entry != end && inside.size() < kMaxFiles;

@@ -1,7 +1,10 @@
 #include "tools/calibrate/formats/rig_file.hpp"
 
+#include "core/base/write_check.hpp"
+
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <fstream>
 #include <iterator>
 
@@ -73,12 +76,17 @@ Expected<void> write_text(const std::filesystem::path& file,
                                       "it",
                                       file.string()));
     }
-    if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), failure);
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    if (!std::filesystem::exists(file, failure)) {
+        if (auto writable = check_folder_writable(folder, text.size(), "-o"); !writable)
+            return writable;
+    }
+    std::filesystem::create_directories(folder, failure);
     std::ofstream stream(file, std::ios::binary | std::ios::trunc);
     stream << text;
     stream.close();
     if (stream) return {};
-    return make_error(ErrorKind::kNotFound, fmt::format("{}: cannot be written", file.string()));
+    return tl::unexpected(cannot_write(file, "write", errno));
 }
 
 }  // namespace atrium::calibrate

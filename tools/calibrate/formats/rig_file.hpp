@@ -21,7 +21,7 @@ bool is_rig(const Tree& toml);
 bool is_rig_file(const std::filesystem::path& file);
 
 /// Writes `text` to a new file; replaces an old one only if `may_replace`. Errors kConfiguration if
-/// it exists, kNotFound if it cannot be written.
+/// it exists, kUnavailable if it cannot be written.
 Expected<void> write_text(const std::filesystem::path& file,
                           const std::string& text,
                           bool may_replace);

@@ -1,3 +1,4 @@
+#include "core/base/readable.hpp"
 #include "site_node/capture/truncated_picture.hpp"
 #include "site_node/capture/video_length.hpp"
 #include "tools/calibrate/recording/codec_rate.hpp"
@@ -12,7 +13,16 @@
 namespace atrium::calibrate {
 namespace {
 
+constexpr const char* kEmptyText = "the file is empty; copy it again";
+
+bool has_no_bytes(const std::filesystem::path& file) {
+    std::error_code failure;
+    return std::filesystem::file_size(file, failure) == 0 && !failure;
+}
+
 Error not_decoded(const std::filesystem::path& file) {
+    if (const auto readable = check_readable(file); !readable) return readable.error();
+    if (has_no_bytes(file)) return {ErrorKind::kInvalidData, file.string() + ": " + kEmptyText};
     if (capture::is_truncated_video(file)) {
         return {ErrorKind::kInvalidData, file.string() + ": " + capture::kTruncatedText};
     }
@@ -23,9 +33,8 @@ Error not_decoded(const std::filesystem::path& file) {
 }
 
 Error picture_not_decoded(const std::filesystem::path& file) {
-    std::error_code failure;
-    if (std::filesystem::file_size(file, failure) == 0 && !failure)
-        return {ErrorKind::kInvalidData, file.string() + ": the file is empty; copy it again"};
+    if (const auto readable = check_readable(file); !readable) return readable.error();
+    if (has_no_bytes(file)) return {ErrorKind::kInvalidData, file.string() + ": " + kEmptyText};
     if (capture::is_truncated_picture(file)) {
         return {ErrorKind::kInvalidData,
                 file.string() +

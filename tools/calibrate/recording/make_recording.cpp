@@ -1,5 +1,6 @@
 #include "tools/calibrate/recording/make_recording.hpp"
 
+#include "core/base/write_check.hpp"
 #include "site_node/capture/mask_file.hpp"
 #include "tools/calibrate/recording/mask_checks.hpp"
 
@@ -68,7 +69,7 @@ public:
             missing.push_back(at);
         fs::create_directories(folder, failure);
         made_.insert(made_.end(), missing.rbegin(), missing.rend());
-        if (!fs::is_directory(folder, failure)) return cannot(folder, "cannot be made");
+        if (failure) return tl::unexpected(cannot_write(folder, "create", failure.value()));
         return {};
     }
 
@@ -112,6 +113,8 @@ private:
         } else {
             fs::create_symlink(real, target, failure);
         }
+        if (failure == std::errc::permission_denied)
+            return tl::unexpected(cannot_write(target, "create", failure.value()));
         if (failure)
             return cannot(target,
                           "cannot be made: " + failure.message() +

@@ -1,6 +1,7 @@
 #include "tools/calibrate/recording/shots.hpp"
 
 #include "core/base/looked_up.hpp"
+#include "core/base/readable.hpp"
 #include "tools/calibrate/recording/name_parts.hpp"
 
 #include <fmt/format.h>
@@ -114,6 +115,7 @@ private:
     }
 
     Expected<void> walk(const fs::path& folder, int depth) {
+        if (auto readable = check_folder_readable(folder); !readable) return readable;
         std::vector<fs::path> pictures;
         std::error_code failure;
         for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
@@ -126,7 +128,9 @@ private:
                                               root_.string(),
                                               kMaxFiles));
             }
-            if (path.filename().string().starts_with(".")) continue;
+            // lost+found: only root may look into it, and it is in every disk's root
+            const std::string name = path.filename().string();
+            if (name.starts_with(".") || name == "lost+found") continue;
             if (entry->is_directory(failure) && depth < kMaxFolders) {
                 if (auto walked = walk(path, depth + 1); !walked) return walked;
             } else if (has_suffix(path, kVideos)) {
@@ -187,6 +191,9 @@ Expected<std::vector<Shots>> find_shots(const fs::path& folder) {
                           fmt::format("{}: is a file; give its folder", folder.string()));
     }
     if (!fs::is_directory(folder, failure)) {
+        if (auto readable = check_folder_readable(folder);
+            !readable && readable.error().kind != ErrorKind::kNotFound)
+            return tl::unexpected(readable.error());
         return make_error(
             ErrorKind::kNotFound,
             fmt::format("{}: no such folder{}", folder.string(), looked_up_from(folder)));
