@@ -171,11 +171,14 @@ UpConclusion conclude_up(const ForeignRig& foreign,
             "degrees",
             vector_text(found.up),
             tilt_deg(found)));
-        result.checks.push_back(
-            fmt::format("up: taken from the pictures' horizon, good to a degree or two: fine if "
-                        "people stand upright. If they lean, say which direction of the file is "
-                        "up: --up X,Y,Z; now it is --up {}",
-                        numbers_text(found.up, 3, ",")));
+        result.checks.push_back(fmt::format(
+            "up: taken from the pictures' horizon, good to a degree or two: fine if "
+            "people stand upright. If they lean, say which direction of the file is "
+            "up: --up X,Y,Z; now it is --up {}{}",
+            numbers_text(found.up, 3, ","),
+            found.other_up && !found.rival
+                ? "; if they lie on their side, say --up " + option_text(*found.other_up)
+                : ""));
     } else {
         result.checks.push_back(found.rival ? doubt_text(found, "+Z of the file", cameras.size())
                                             : text_of_kept(found));
@@ -184,7 +187,7 @@ UpConclusion conclude_up(const ForeignRig& foreign,
     name_turned(result, found, cameras);
     if (found.rival) {
         result.checks.push_back(doubt_text(found, "The first", cameras.size()));
-    } else if (foreign.up.empty() && found.other_up) {
+    } else if (foreign.up.empty() && found.other_up && result.is_axis) {
         result.checks.push_back(
             fmt::format("up: if the cameras lie on their side, up is about {0}: say --up {0}",
                         option_text(*found.other_up)));

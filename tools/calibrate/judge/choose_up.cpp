@@ -273,8 +273,9 @@ UpChoice choose_up(VotingCameras cameras) {
 
     if (rig.size() > 2) choice.rival = rival_of(rig, choice, candidates, counts);
     if (choice.is_known) {
+        const double max_tilt = num_turned == 0 ? kLevelRig : kVeryLevelRig;
         choice.other_up =
-            up_of_all_on_side(rig, choice.up, num_turned == 0 ? kLevelRig : kVeryLevelRig);
+            up_of_all_on_side(rig, choice.up, std::min(max_tilt, choice.tilt + kAboutAsLevel));
     }
 
     int axis = 0;

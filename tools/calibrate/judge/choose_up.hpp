@@ -25,7 +25,7 @@ struct UpChoice : UpVote {
     double mean_tilt = 0.0;  // of all cameras; more if some, but not all, are turned
     /// Another direction with about as good a vote.
     std::optional<UpVote> rival;
-    /// Up if all pictures lie on their side, where that is possible as well.
+    /// Up if all pictures lie on their side, where they are about as level along that.
     std::optional<Eigen::Vector3d> other_up;
     bool is_known = false;  // false: the cameras are tilted too differently
     std::string axis;       // the axis of the frame that is as good as `up`, for example "+Y"
