@@ -22,6 +22,13 @@ std::optional<double> parse_number(const std::string& text, double low, double h
     return is_good ? std::optional(value) : std::nullopt;
 }
 
+// "237" is a height in centimetres rather than in metres.
+std::string hint_of_centimetres(const std::string& text) {
+    const auto height_cm = parse_number(text, 0.0, 1000.0);
+    return height_cm ? fmt::format("; if you gave centimetres, write {:.4g}", *height_cm / 100.0)
+                     : std::string();
+}
+
 void add_distance(CLI::App& command, Said& said) {
     command
         .add_option_function<std::vector<std::string>>(
@@ -43,9 +50,9 @@ void add_distance(CLI::App& command, Said& said) {
             [&said](const std::vector<std::string>& words) {
                 const auto metres = parse_number(words[1], -10.0, 100.0);
                 if (!metres)
-                    throw CLI::ValidationError(
-                        "--camera-height",
-                        "must be a camera and -10 to 100 metres, got " + words[1]);
+                    throw CLI::ValidationError("--camera-height",
+                                               "must be a camera and -10 to 100 metres, got " +
+                                                   words[1] + hint_of_centimetres(words[1]));
                 said.height = Said::Height{words[0], *metres};
             },
             "measured height of a camera above the floor in metres; gives the floor")

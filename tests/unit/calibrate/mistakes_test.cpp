@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace atrium::calibrate {
 namespace {
 
@@ -237,6 +239,28 @@ TEST_F(Mistakes, AnUpThatTurnsPeopleOverIsAProblem) {
     EXPECT_THAT(conclude_from("a.yml", text, said)->problems, IsEmpty());
 }
 
+TEST_F(Mistakes, FormatsThatAreNotReadAreNamedWithTheCure) {
+    EXPECT_THAT(error_of("transforms.json",
+                         R"({"frames": [{"file_path": "a.jpg", "transform_matrix": [[1]]}]})"),
+                AllOf(HasSubstr("transforms.json: a transforms.json of NeRF or Blender"),
+                      HasSubstr("sparse/0"),
+                      HasSubstr("read are opencv, qualisys")));
+    EXPECT_THAT(error_of("cameras.xml", "<document version=\"2.0.0\"></document>"),
+                AllOf(HasSubstr("not recognised"), HasSubstr("write it as YAML of OpenCV")));
+}
+
+TEST_F(Mistakes, KeysThatAreNotUnderstoodAreListed) {
+    EXPECT_THAT(error_of("a.json", R"({"focal": 900, "cams": [{"place": [1, 2, 3]}]})"),
+                AllOf(HasSubstr("0 cameras found"),
+                      HasSubstr("these keys are not understood: place, focal; understood are "
+                                "camera_matrix or K")));
+    EXPECT_THAT(error_of("c.json",
+                         R"({"a": {"K": [9, 0, 3, 0, 9, 2, 0, 0, 1], "T_world_a": [1, 2, 3]},
+                             "b": {"K": [9, 0, 3, 0, 9, 2, 0, 0, 1], "T_world_a": [1, 2, 3]}})"),
+                AllOf(HasSubstr("no rotation and translation of a, b"),
+                      HasSubstr("these keys are not understood: T_world_a; ")));
+}
+
 // A file whose up lies between its axes: an axis for --up makes it worse, and the import says so.
 TEST_F(Mistakes, AnUpThatMakesPeopleLeanIsToBeChecked) {
     const Eigen::Matrix3d lean =
@@ -244,6 +268,9 @@ TEST_F(Mistakes, AnUpThatMakesPeopleLeanIsToBeChecked) {
     const std::string text = test::opencv_yaml(test::in_frame(cameras_, lean), 1.0);
     const auto found = conclude_from("a.yml", text);
     ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ(std::ranges::count_if(
+                  found->checks, [](const std::string& line) { return line.starts_with("up:"); }),
+              1);
     EXPECT_THAT(
         found->checks,
         Contains(AllOf(HasSubstr("fine if people stand upright"), HasSubstr("--up X,Y,Z; now"))));

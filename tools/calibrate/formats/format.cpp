@@ -21,6 +21,10 @@ bool is_colmap(const fs::path& file) {
            name == "images.txt";
 }
 
+constexpr const char* kCureOfOthers =
+    "write it as YAML of OpenCV, for each camera camera_matrix, distortion, image_width, "
+    "image_height, R and T (docs/calibrate.md)";
+
 // Finds the format from the first file's name and content.
 Expected<Format> guess(const fs::path& file) {
     if (is_colmap(file)) return Format::kColmap;
@@ -29,6 +33,16 @@ Expected<Format> guess(const fs::path& file) {
     const auto has = [&](const char* word) { return text->find(word) != std::string::npos; };
     const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");
     const char start = first == std::string::npos ? '\0' : (*text)[first];
+    if (start == '{' && has("\"transform_matrix\"") && has("\"frames\"")) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}: a transforms.json of NeRF or Blender, a format that is not read; "
+                        "give the model of COLMAP from which it was made (sparse/0), or {}; read "
+                        "are {}",
+                        file.string(),
+                        kCureOfOthers,
+                        fmt::join(format_names(), ", ")));
+    }
     if (start == '<') {
         if (has("<opencv_storage")) return Format::kOpenCv;
         if (has("<calibration") && has("<intrinsic")) return Format::kQualisys;
@@ -43,9 +57,10 @@ Expected<Format> guess(const fs::path& file) {
     }
     return make_error(ErrorKind::kConfiguration,
                       fmt::format("{}: not recognised as a calibration; say what it is with "
-                                  "--format: {}",
+                                  "--format: {}; of any other program: {}",
                                   file.string(),
-                                  fmt::join(format_names(), ", ")));
+                                  fmt::join(format_names(), ", "),
+                                  kCureOfOthers));
 }
 
 Expected<ForeignRig> read(const Files& files, Format format) {
@@ -199,10 +214,9 @@ tl::unexpected<Error> incomplete(const ForeignRig& rig, const std::string& where
     if (!no_lens.empty()) text += fmt::format(" no camera matrix of {};", fmt::join(no_lens, ", "));
     if (!no_pose.empty())
         text += fmt::format(" no rotation and translation of {};", fmt::join(no_pose, ", "));
-    return make_error(ErrorKind::kConfiguration,
-                      text +
-                          " give all files of the calibration, the intrinsics and the "
-                          "extrinsics of each camera");
+    text += " give all files of the calibration, the intrinsics and the extrinsics of each camera";
+    for (const std::string& problem : rig.problems) text += "; " + problem;
+    return make_error(ErrorKind::kConfiguration, text);
 }
 
 }  // namespace

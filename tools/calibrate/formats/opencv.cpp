@@ -5,8 +5,10 @@
 #include "tools/calibrate/formats/lens.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <initializer_list>
 #include <map>
 
@@ -264,6 +266,44 @@ Expected<ForeignCamera> camera_of(const std::string& name,
     return camera;
 }
 
+// At the top of a file a camera's name may follow: K_01.
+bool is_known_key(const std::string& key, int depth) {
+    const auto lower = [](std::string text) {
+        std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+        return text;
+    };
+    for (const Keys keys : {kMatrix,
+                            kFocal,
+                            kDistortion,
+                            kRotation,
+                            kTranslation,
+                            kPose,
+                            kWidth,
+                            kHeight,
+                            kSize,
+                            kName,
+                            kModel}) {
+        for (const char* known : keys) {
+            if (lower(key) == lower(known) ||
+                (depth == 0 && key.starts_with(std::string(known) + "_")))
+                return true;
+        }
+    }
+    return false;
+}
+
+// Keys with numbers that mean nothing here, in the file and below, without repetition.
+void add_unknown_keys(const Tree& tree, int depth, std::vector<std::string>& unknown) {
+    constexpr std::size_t kMaxNamed = 12;
+    if (depth > 3 || !tree.is_structured()) return;
+    for (const auto& [key, value] : tree.items()) {
+        if (unknown.size() == kMaxNamed) return;
+        const bool is_unknown = tree.is_object() && numbers(value) && !is_known_key(key, depth);
+        if (is_unknown && std::ranges::find(unknown, key) == unknown.end()) unknown.push_back(key);
+        if (!numbers(value)) add_unknown_keys(value, depth + 1, unknown);
+    }
+}
+
 }  // namespace
 
 Expected<ForeignRig> read_opencv(const Files& files) {
@@ -301,6 +341,16 @@ Expected<ForeignRig> read_opencv(const Files& files) {
                               fmt::format("{}: {}", files[i].string(), comma_is_no_point(word)));
     }
     if (failure) return tl::unexpected(*failure);
+    std::vector<std::string> unknown;
+    for (const Tree& tree : trees)
+        if (!is_complete) add_unknown_keys(tree, 0, unknown);
+    if (!unknown.empty()) {
+        rig.problems.push_back(
+            fmt::format("these keys are not understood: {}; understood are camera_matrix or K, "
+                        "distortion or D, R or rvec, T or tvec, RT or extrinsics, and more "
+                        "(docs/calibrate.md)",
+                        fmt::join(unknown, ", ")));
+    }
     return rig;
 }
 
