@@ -3,8 +3,10 @@
 #include "tools/calibrate/conclude_up.hpp"
 #include "tools/calibrate/formats/rig_name.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
+#include "tools/calibrate/recording/name_parts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -53,6 +55,7 @@ public:
 private:
     void read_poses();
     void report_elsewhere(std::size_t camera);
+    void report_same_poses();
     Expected<void> find_scale();
     Expected<double> said_scale() const;
     void find_up();
@@ -86,6 +89,7 @@ void Concluder::read_poses() {
     wanted.pose = said_.pose.value_or(wanted.pose);
     wanted.opengl = said_.opengl.value_or(wanted.opengl);
     ReadingChoice choice = choose_reading(cameras_, poses_, wanted);
+    report_same_poses();
     const bool is_said = said_.pose || said_.opengl;
     if (is_said || foreign_.is_sure_of_poses) choice = {wanted, {}, true, {}};
     for (std::size_t i = 0; i < cameras_.size(); ++i)
@@ -137,6 +141,23 @@ void Concluder::read_poses() {
     }
 }
 
+// Two lenses cannot be in one place.
+void Concluder::report_same_poses() {
+    for (std::size_t i = 1; i < poses_.size(); ++i) {
+        const auto is_same = [&](const ForeignPose& pose) {
+            return pose.rotation == poses_[i].rotation && pose.vector == poses_[i].vector;
+        };
+        const auto end = poses_.begin() + static_cast<std::ptrdiff_t>(i);
+        const auto same = std::find_if(poses_.begin(), end, is_same);
+        if (same == end) continue;
+        problem(fmt::format(
+            "poses: cameras '{0}' and '{1}' have exactly the same pose, so that of one "
+            "was copied: calibrate it again, or leave it out with --cameras '!{1}'",
+            foreign_.cameras[static_cast<std::size_t>(same - poses_.begin())].known_name(),
+            foreign_.cameras[i].known_name()));
+    }
+}
+
 // `camera` does not look at the place that most cameras look at.
 void Concluder::report_elsewhere(std::size_t camera) {
     const bool is_default = is_at_origin(poses_[camera]) && foreign_.has_frame;
@@ -155,9 +176,11 @@ Expected<std::size_t> Concluder::index_of(const std::string& name) const {
         if (composed(cameras[i].known_name()) == composed(name)) return i;
     for (std::size_t i = 0; i < cameras.size(); ++i)
         if (cameras[i].name == name) return i;
-    std::string names;
-    for (const auto& camera : cameras) names += (names.empty() ? "" : ", ") + camera.known_name();
-    return needs(fmt::format("no camera '{}' in the calibration; it has {}", name, names));
+    std::vector<std::string> names;
+    for (const auto& camera : cameras) names.push_back(camera.known_name());
+    return needs(fmt::format("no camera '{}' in the calibration; it has {}",
+                             name,
+                             fmt::join(in_natural_order(names), ", ")));
 }
 
 // Metres per unit from --distance.

@@ -154,16 +154,20 @@ Expected<void> check_number(const ForeignRig& rig, const ImportOptions& options)
 }
 
 Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
-    auto material = gather(names_of(rig),
-                           {options.recording,
-                            options.take,
-                            options.background,
-                            options.masks,
-                            options.has_rate,
-                            options.invert_masks,
-                            moved(rig),
-                            walked(rig),
-                            originals_of(rig)});
+    auto material = gather(
+        names_of(rig),
+        {options.recording,
+         options.take,
+         options.background,
+         options.masks,
+         options.has_rate,
+         options.invert_masks,
+         moved(rig),
+         walked(rig),
+         rig.format == "COLMAP" ? "; if they are cameras of the room, COLMAP did not register "
+                                  "them: solve again with more pictures of them"
+                                : "",
+         originals_of(rig)});
     if (!material) return material;
     report_walked(rig, material->left_out);
     keep_cameras(rig, [&](const std::string& name) { return material->frames.contains(name); });

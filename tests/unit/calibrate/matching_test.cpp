@@ -2,6 +2,7 @@
 #include "tools/calibrate/recording/matching.hpp"
 
 #include "tests/unit/calibrate/recording_fixture.hpp"
+#include "tools/calibrate/recording/name_parts.hpp"
 
 #include <gmock/gmock.h>
 
@@ -133,6 +134,11 @@ TEST(WholeNames, LeaveTheRestToShortenedNames) {
 TEST(Likeness, KeepsNumbersApart) {
     EXPECT_LT(likeness("11_1", "01_11", {}), 90);
     EXPECT_EQ(likeness("left_back", "leftback", {}), 90);
+}
+
+TEST(NaturalOrder, CountsNumbers) {
+    EXPECT_THAT(in_natural_order({"cam10", "cam2", "b", "cam02", "cam1", "a 3 b"}),
+                ElementsAre("a 3 b", "b", "cam1", "cam02", "cam2", "cam10"));
 }
 
 }  // namespace

@@ -112,6 +112,15 @@ TEST_F(Mistakes, ACameraThatLooksElsewhereIsNamed) {
                 ElementsAre(AllOf(HasSubstr("camera 'cam5'"), HasSubstr("never calibrated"))));
 }
 
+TEST_F(Mistakes, TwoCamerasWithOnePoseAreAProblem) {
+    cameras_[3].camera_from_site = cameras_[1].camera_from_site;
+    const auto result = conclude_from("a.yml", test::opencv_yaml(cameras_, 1000.0));
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_THAT(result->problems,
+                ElementsAre(AllOf(HasSubstr("cameras 'cam2' and 'cam4' have exactly the same pose"),
+                                  HasSubstr("--cameras '!cam4'"))));
+}
+
 TEST_F(Mistakes, DecimalCommasAreNamed) {
     std::string qualisys = test::qualisys_xml(cameras_);
     const std::size_t r11 = qualisys.find("r11=\"");
@@ -213,8 +222,10 @@ TEST_F(Mistakes, AMeasuredCameraHasItsNameInTheFileOrInTheRig) {
     said.distance = Said::Distance{"Flur", "Tür", distance};
     const auto unknown = conclude_from("a.json", text, said);
     ASSERT_FALSE(unknown);
-    EXPECT_THAT(unknown.error().message,
-                HasSubstr("no camera 'Flur' in the calibration; it has Küche links, Tür, cam3"));
+    EXPECT_THAT(
+        unknown.error().message,
+        HasSubstr(
+            "no camera 'Flur' in the calibration; it has cam3, cam4, cam5, Küche links, Tür"));
     EXPECT_TRUE(read_foreign({folder_.write("b.json", text)}, "auto", {"K*links", "Tu\u0308r"}));
 }
 

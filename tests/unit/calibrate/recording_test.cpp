@@ -111,6 +111,21 @@ TEST_F(ImportedRecording, RefusesAnEmptyRoomOfAnotherSizeBeforeAnythingIsWritten
     EXPECT_TRUE(import(options_));
 }
 
+TEST_F(ImportedRecording, SaysThatColmapDidNotRegisterACamera) {
+    folder_.write("model/images.txt", test::colmap_images_txt(cameras_, 1.0));
+    folder_.write("model/cameras.txt", test::colmap_cameras_txt(cameras_));
+    options_.files = {folder_.path() / "model"};
+    options_.said.distance = Said::Distance{
+        "cam1", "cam2", (cameras_[0].centre_site() - cameras_[1].centre_site()).norm()};
+    for (const char* camera : {"cam1", "cam2", "cam3", "door"})
+        write_video(take(fmt::format("{}.avi", camera)), 64, 48, 3);
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->checks,
+                Contains(AllOf(HasSubstr("pictures not used: 'door'"),
+                               HasSubstr("COLMAP did not register them: solve again"))));
+}
+
 // A phone that walked about and helped COLMAP is no camera of the recording.
 TEST_F(ImportedRecording, LeavesOutCamerasThatMovedAndHaveNoPictures) {
     std::string images = test::colmap_images_txt(cameras_, 1.0);

@@ -2,6 +2,7 @@
 
 #include "tools/calibrate/formats/folder_files.hpp"
 #include "tools/calibrate/formats/rig_name.hpp"
+#include "tools/calibrate/recording/name_parts.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -149,8 +150,9 @@ Expected<void> select_cameras(ForeignRig& rig, const std::vector<std::string>& p
             continue;
         constexpr std::size_t kNamed = 12;
         std::vector<std::string> names;
-        for (const ForeignCamera& camera : rig.cameras)
-            if (names.size() < kNamed) names.push_back(camera.name);
+        for (const ForeignCamera& camera : rig.cameras) names.push_back(camera.name);
+        names = in_natural_order(std::move(names));
+        names.resize(std::min(names.size(), kNamed));
         return make_error(ErrorKind::kConfiguration,
                           fmt::format("--cameras {}: no camera has this name; the calibration has "
                                       "{}{}",
@@ -211,9 +213,11 @@ tl::unexpected<Error> incomplete(const ForeignRig& rig, const std::string& where
         if (!camera.pose) no_pose.push_back(camera.name);
     }
     std::string text = fmt::format("{}: {}:", where, rig.format);
-    if (!no_lens.empty()) text += fmt::format(" no camera matrix of {};", fmt::join(no_lens, ", "));
+    if (!no_lens.empty())
+        text += fmt::format(" no camera matrix of {};", fmt::join(in_natural_order(no_lens), ", "));
     if (!no_pose.empty())
-        text += fmt::format(" no rotation and translation of {};", fmt::join(no_pose, ", "));
+        text += fmt::format(" no rotation and translation of {};",
+                            fmt::join(in_natural_order(no_pose), ", "));
     text += " give all files of the calibration, the intrinsics and the extrinsics of each camera";
     for (const std::string& problem : rig.problems) text += "; " + problem;
     return make_error(ErrorKind::kConfiguration, text);

@@ -178,9 +178,10 @@ void Gatherer::report_missing(const std::vector<std::string>& unused) {
     if (material_.missing.empty() && !unused.empty()) {
         check(
             fmt::format("pictures not used: {}; the calibration has no camera of these names, only "
-                        "{}",
+                        "{}{}",
                         listed(unused),
-                        known(cameras_)));
+                        known(cameras_),
+                        folders_.why_unknown));
     }
 }
 

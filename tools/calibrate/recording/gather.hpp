@@ -21,6 +21,7 @@ struct PictureFolders {
     bool invert_masks = false;          // people are black in them
     std::vector<std::string> optional;  // cameras that moved: not missed without pictures
     std::vector<std::string> walked;    // others, whose pictures belong to no camera
+    std::string why_unknown = {};       // cameras are not in the calibration; or empty
     Originals originals = {};           // names of cameras in the calibration, if other ones
 };
 

@@ -82,4 +82,18 @@ std::string last_number(const std::vector<std::string>& name) {
     return number == name.rend() ? std::string() : *number;
 }
 
+std::vector<std::string> in_natural_order(std::vector<std::string> names) {
+    // a shorter number is a smaller one: tokens have no leading zeros
+    const auto is_before = [](const std::string& a, const std::string& b) {
+        return is_number(a) && is_number(b) && a.size() != b.size() ? a.size() < b.size() : a < b;
+    };
+    std::ranges::sort(names, [&](const std::string& a, const std::string& b) {
+        const std::vector<std::string> words_a = tokens(a);
+        const std::vector<std::string> words_b = tokens(b);
+        if (words_a == words_b) return a < b;
+        return std::ranges::lexicographical_compare(words_a, words_b, is_before);
+    });
+    return names;
+}
+
 }  // namespace atrium::calibrate

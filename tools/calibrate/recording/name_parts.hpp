@@ -30,4 +30,7 @@ std::vector<std::string> telling_tokens(const std::string& label,
 /// The last number among tokens; empty without any.
 std::string last_number(const std::vector<std::string>& name);
 
+/// Names as people count: cam2 before cam10.
+std::vector<std::string> in_natural_order(std::vector<std::string> names);
+
 }  // namespace atrium::calibrate

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tools/calibrate/recording/name_parts.hpp"
+
 #include <fmt/format.h>
 
 #include <string>
@@ -8,8 +10,9 @@
 /// Parts of sentences about pictures.
 namespace atrium::calibrate {
 
-/// "'cam1', 'cam2'", of at most 12.
-inline std::string listed(const std::vector<std::string>& names) {
+/// "'cam1', 'cam2'", of at most 12, in natural order.
+inline std::string listed(const std::vector<std::string>& unsorted) {
+    const std::vector<std::string> names = in_natural_order(unsorted);
     std::string text;
     for (std::size_t i = 0; i < names.size() && i < 12; ++i)
         text += (i == 0 ? "'" : ", '") + names[i] + "'";
