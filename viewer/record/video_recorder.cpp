@@ -22,6 +22,22 @@ cv::Mat rgba_of(const renderer::RenderedPicture& picture) {
     return {picture.height, picture.width, CV_8UC4, const_cast<std::uint8_t*>(picture.rgba.data())};
 }
 
+// Scales the picture to `size`. One of another shape lies in the middle, between black bars.
+void fit(const cv::Mat& rgba, const cv::Size& size, cv::Mat& fitted) {
+    constexpr int kNarrowestBars = 3;  // the size of a video is rounded to even numbers
+    const double scale = std::min(static_cast<double>(size.width) / rgba.cols,
+                                  static_cast<double>(size.height) / rgba.rows);
+    cv::Size inner(std::clamp(cvRound(scale * rgba.cols), 1, size.width),
+                   std::clamp(cvRound(scale * rgba.rows), 1, size.height));
+    if (size.width - inner.width < kNarrowestBars) inner.width = size.width;
+    if (size.height - inner.height < kNarrowestBars) inner.height = size.height;
+    fitted.create(size, CV_8UC4);
+    if (inner != size) fitted.setTo(cv::Scalar(0, 0, 0, 255));
+    const cv::Point corner((size.width - inner.width) / 2, (size.height - inner.height) / 2);
+    cv::Mat middle = fitted(cv::Rect(corner, inner));
+    cv::resize(rgba, middle, inner, 0, 0, scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
+}
+
 // Leaves room to finish the video: one picture and the index of all pictures.
 bool is_nearly_full(const std::filesystem::path& file) {
     if (file.empty()) return false;  // a stream
@@ -36,7 +52,7 @@ bool is_nearly_full(const std::filesystem::path& file) {
 struct VideoRecorder::Impl {
     VideoFormat format;
     std::unique_ptr<VideoFile> file;
-    cv::Mat resized;
+    cv::Mat fitted;
     Expected<void> written;  // the first error; owned by the recording thread until it ends
 };
 
@@ -150,8 +166,8 @@ bool VideoRecorder::write(const renderer::RenderedPicture& picture, std::int64_t
     cv::Mat rgba = rgba_of(picture);
     const cv::Size size(impl_->format.width, impl_->format.height);
     if (rgba.size() != size) {
-        cv::resize(rgba, impl_->resized, size, 0, 0, cv::INTER_AREA);
-        rgba = impl_->resized;
+        fit(rgba, size, impl_->fitted);
+        rgba = impl_->fitted;
     }
     if (!is_done(impl_->file->set({rgba.data, rgba.total() * rgba.elemSize()}))) return false;
     if (static_cast<std::int64_t>(num_written_) > slot) {

@@ -24,9 +24,10 @@ namespace atrium::viewer {
 ///
 /// Time since the first picture is divided into slots of 1 / `fps`, and the video has one picture
 /// per slot: the first one offered in the slot, or else the picture before again. So the video is
-/// as long as the time that it shows. At most kMostWaiting pictures wait for the encoder; while the
-/// queue is full, pictures are dropped and counted. The recording stops, with a playable file, when
-/// the disk is nearly full or a picture cannot be encoded or written.
+/// as long as the time that it shows. A picture of another shape than the video lies between bars.
+/// At most kMostWaiting pictures wait for the encoder; while the queue is full, pictures are
+/// dropped and counted. The recording stops, with a playable file, when the disk is nearly full or
+/// a picture cannot be encoded or written.
 class VideoRecorder {
 public:
     using Clock = std::chrono::steady_clock;
