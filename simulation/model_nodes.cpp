@@ -1,6 +1,7 @@
 #include "simulation/model_nodes.hpp"
 
 #include "core/base/readable.hpp"
+#include "core/model/assimp_errors.hpp"
 
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -114,7 +115,8 @@ Expected<const aiScene*> read_scene(const char* option,
     if (scene == nullptr) {
         return make_error(
             ErrorKind::kInvalidData,
-            fmt::format("{}: '{}': {}", option, file.string(), importer.GetErrorString()));
+            fmt::format(
+                "{}: {}: {}", option, file.string(), model::why_unreadable(file, importer)));
     }
     return scene;
 }

@@ -1,6 +1,7 @@
 #include "core/model/model_file.hpp"
 
 #include "core/base/readable.hpp"
+#include "core/model/assimp_errors.hpp"
 
 #include <Eigen/LU>
 #include <assimp/Importer.hpp>
@@ -13,6 +14,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdio>
+#include <fstream>
 #include <string_view>
 #include <system_error>
 
@@ -21,14 +24,7 @@ namespace {
 
 constexpr std::array<std::string_view, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
 constexpr int kMaxDepth = 100;  // nesting of nodes
-
-std::string ending_of(const std::filesystem::path& file) {
-    std::string ending = file.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) {
-        return static_cast<char>(std::tolower(c));
-    });
-    return ending;
-}
+constexpr int kMostHeaderLines = 1000;
 
 Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
     Eigen::Matrix4d transform;
@@ -76,6 +72,7 @@ public:
         if (num_triangles_ == 0) return invalid("has no triangles");
         return std::move(parts_);
     }
+    std::size_t num_triangles() const { return num_triangles_; }
 
 private:
     tl::unexpected<Error> invalid(const std::string& what) const {
@@ -155,6 +152,18 @@ private:
     std::size_t num_triangles_ = 0;
 };
 
+// 0: none is stated.
+std::size_t num_faces_in_header(const std::filesystem::path& ply) {
+    std::ifstream stream(ply, std::ios::binary);
+    std::string line;
+    for (int i = 0; i < kMostHeaderLines && std::getline(stream, line); ++i) {
+        if (line.starts_with("end_header")) break;
+        std::size_t num = 0;
+        if (std::sscanf(line.c_str(), "element face %zu", &num) == 1) return num;
+    }
+    return 0;
+}
+
 Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& limits) {
     const auto wrong = [&](ErrorKind kind, const std::string& what) {
         return make_error(kind, fmt::format("{}: {}", file.string(), what));
@@ -176,6 +185,14 @@ Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& 
 }
 
 }  // namespace
+
+std::string ending_of(const std::filesystem::path& file) {
+    std::string ending = file.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) {
+        return static_cast<char>(std::tolower(c));
+    });
+    return ending;
+}
 
 std::string own_texture_of(const std::vector<ModelPart>& parts) {
     for (const ModelPart& part : parts) {
@@ -218,16 +235,27 @@ Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
         aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
             aiProcess_FlipUVs | aiProcess_ValidateDataStructure);
     if (scene == nullptr) {
-        return make_error(
-            ErrorKind::kInvalidData,
-            fmt::format("{}: cannot be read: {}", file.string(), importer.GetErrorString()));
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("{}: {}", file.string(), why_unreadable(file, importer)));
     }
     Eigen::Matrix4d model_from_file = Eigen::Matrix4d::Identity();
     const std::string ending = ending_of(file);
     if (ending == ".gltf" || ending == ".glb")
         model_from_file << 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1;
     model_from_file.topRows<3>() *= scale;
-    return PartCollector(*scene, file, limits).take(model_from_file);
+    PartCollector collector(*scene, file, limits);
+    auto parts = collector.take(model_from_file);
+    // Assimp reads what is there
+    const std::size_t num_promised = ending == ".ply" ? num_faces_in_header(file) : 0;
+    if (parts && collector.num_triangles() < num_promised) {
+        return make_error(
+            ErrorKind::kInvalidData,
+            fmt::format("{}: is cut off or damaged: has {} of {} faces; copy it again",
+                        file.string(),
+                        collector.num_triangles(),
+                        num_promised));
+    }
+    return parts;
 }
 
 }  // namespace atrium::model

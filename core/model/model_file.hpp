@@ -40,6 +40,8 @@ std::string own_texture_of(const std::vector<ModelPart>& parts);
 /// The different colours that the file states for its parts, in the order of the parts.
 std::vector<Eigen::Vector3d> colours_of(const std::vector<ModelPart>& parts);
 
+/// The suffix of the file's name in lower case: ".obj".
+std::string ending_of(const std::filesystem::path& file);
 /// True if `load_model` supports the suffix of the file's name.
 bool is_model_name(const std::filesystem::path& file);
 /// The supported suffixes, for messages: ".obj, .ply, ...".

@@ -314,8 +314,9 @@ private:
         if (ImGui::GetIO().WantCaptureMouse || is_on_panel) return;
         was_pressed_ = is_left || is_right;
         events_.pointer.is_down = is_left;
-        if (is_left) events_.motion.turn_px = way;
-        if (is_right) events_.motion.pan_px = way;
+        // the way to the place of the press is no drag
+        if (is_left && !is_press) events_.motion.turn_px = way;
+        if (is_right && !is_press) events_.motion.pan_px = way;
         events_.motion.look_around = is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT);
     }
     void read_keys() {

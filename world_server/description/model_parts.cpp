@@ -6,6 +6,18 @@
 #include <fmt/format.h>
 
 namespace atrium::world_server {
+namespace {
+
+constexpr double kTiny_m = 0.02;  // a hull below 1 cm cannot be made
+
+Eigen::Vector3d size_of(const std::vector<model::ModelPart>& parts) {
+    geometry::Aabb bounds;
+    for (const model::ModelPart& part : parts)
+        for (const Eigen::Vector3d& vertex : part.mesh.vertices) bounds.add(vertex);
+    return bounds.size();
+}
+
+}  // namespace
 
 Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
                                        double scale,
@@ -20,8 +32,17 @@ Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
         if (shape == physics::ObjectShape::kConvex && &part != &model->back()) continue;
         parts.push_back(physics::convex_hull(points, physics::kMaxHullVertices));
         if (parts.back().empty()) {
-            return make_error(ErrorKind::kInvalidData,
-                              fmt::format("part '{}' has no volume", part.name));
+            const Eigen::Vector3d size_m = size_of(*model);
+            return make_error(
+                ErrorKind::kInvalidData,
+                size_m.maxCoeff() < kTiny_m
+                    ? fmt::format("with scale = {:g}, the model is only {:.2g} x {:.2g} x {:.2g} m "
+                                  "large; what scale makes it metres?",
+                                  scale,
+                                  size_m.x(),
+                                  size_m.y(),
+                                  size_m.z())
+                    : fmt::format("part '{}' has no volume: it is flat", part.name));
         }
     }
     return LoadedModel{

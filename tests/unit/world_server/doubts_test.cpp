@@ -215,5 +215,18 @@ TEST_F(WorldDoubts, NameLimitsOfAHingeInRadians) {
     EXPECT_THAT(doubts(hinge + "limits_deg = [-1, 5]\n"), IsEmpty());
 }
 
+TEST_F(WorldDoubts, SizesOfScenery) {
+    const auto rock = [](const std::string& rest) {
+        return std::string("[[scenery]]\nname = \"rock\"\nmodel = \"rock.obj\"\n") + rest;
+    };
+    // 0.9 units; the world is 40 m wide
+    EXPECT_THAT(doubts(kFloor + rock("solid = true\n")), testing::IsEmpty());
+    EXPECT_THAT(
+        doubts(kFloor + rock("solid = true\nscale = 100\n")),
+        testing::ElementsAre(testing::HasSubstr("it is 90 x 90 x 90 m large, more than twice")));
+    EXPECT_THAT(doubts(kFloor + rock("solid = true\nscale = 0.01\n")),
+                testing::ElementsAre(testing::HasSubstr("it is 0.009 x 0.009 x 0.009 m large;")));
+}
+
 }  // namespace
 }  // namespace atrium::world_server

@@ -156,6 +156,8 @@ TEST_F(WorldFile, ErrorsNameFileLineKeyAndWhatIsAllowed) {
         {model("convex", "models/paint.png"), {"world.toml:4", "model", ".obj"}},
         {model("compound", "models/two.obj") + "scale = 500\n",
          {"world.toml:6", "scale", "the model is 650 x 150 x 150 m"}},
+        {model("compound", "models/two.obj") + "scale = 0.001\n",
+         {"with scale = 0.001, the model is only 0.0013 x", "what scale makes it metres?"}},
         {"[[object]]\nname = \"a\"\nshape = \"convex\"\nmass_kg = 1\n", {"model", "missing"}},
         {kCorner,
          {"world.toml:1", "mass_kg", "set it (0: fixed)", "density_kg_per_m3", "material"}},

@@ -1,0 +1,90 @@
+// Model files that are cut off, damaged or something else.
+#include "core/model/model_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace atrium::model {
+namespace {
+
+using ::testing::HasSubstr;
+
+class DamagedModels : public ::testing::Test {
+protected:
+    DamagedModels()
+        : folder_(std::filesystem::path(::testing::TempDir()) /
+                  ("damaged_models_" + std::to_string(getpid()))) {
+        std::filesystem::create_directories(folder_);
+    }
+    ~DamagedModels() override { std::filesystem::remove_all(folder_); }
+
+    std::string error_of(const std::string& name, const std::string& bytes) {
+        const std::filesystem::path file = folder_ / name;
+        std::ofstream(file, std::ios::binary) << bytes;
+        const auto parts = load_model(file);
+        return parts ? "" : parts.error().message;
+    }
+
+    // A square pyramid.
+    static std::string ply(const std::string& last_faces) {
+        return "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 5\nproperty list uchar int vertex_indices\n"
+               "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0.5 0.5 1\n4 0 3 2 1\n3 0 1 4\n" +
+               last_faces;
+    }
+
+    std::filesystem::path folder_;
+};
+
+TEST_F(DamagedModels, Ply) {
+    EXPECT_EQ(error_of("good.ply", ply("3 1 2 4\n3 2 3 4\n3 3 0 4\n")), "");
+    EXPECT_THAT(error_of("cut.ply", ply("3 1 2")), HasSubstr("cut.ply: "));
+    EXPECT_THAT(error_of("short.ply", ply("3 1 2 4\n")), HasSubstr("cut off"));
+    // an assertion of Assimp
+    EXPECT_THAT(error_of("nothing.ply", ply("0\n0\n0\n")), HasSubstr("nothing.ply: "));
+    const std::string whole = ply("3 1 2 4\n3 2 3 4\n3 3 0 4\n");
+    for (std::size_t i = 1; i + 2 < whole.size(); ++i)
+        EXPECT_THAT(error_of("part.ply", whole.substr(0, i)), HasSubstr("part.ply: ")) << i;
+}
+
+TEST_F(DamagedModels, Obj) {
+    const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    EXPECT_EQ(error_of("good.obj", vertices + "f 1 2 3\n"), "");
+    EXPECT_THAT(error_of("line.obj", vertices + "f 1 2 3\nf 1 2\n"), HasSubstr("line.obj: "));
+    EXPECT_THAT(error_of("points.obj", vertices), HasSubstr("has no triangles"));
+    EXPECT_THAT(error_of("empty.obj", ""), HasSubstr("is empty"));
+}
+
+TEST_F(DamagedModels, LengthsInHeaders) {
+    std::string stl(84 + 50 * 4, '\0');
+    stl[80] = 4;
+    for (int i = 0; i < 4; ++i) {
+        const std::array<float, 12> triangle{
+            0, 0, 1, 0, 0, static_cast<float>(i), 1, 0, static_cast<float>(i), 0, 1, 0};
+        std::memcpy(&stl[84 + 50 * static_cast<std::size_t>(i)], triangle.data(), 48);
+    }
+    EXPECT_EQ(error_of("good.stl", stl), "");
+    EXPECT_THAT(error_of("cut.stl", stl.substr(0, 200)), HasSubstr("has 200 of 284 bytes"));
+    std::string glb("glTF\x02\0\0\0\0\x10\0\0", 12);
+    EXPECT_THAT(error_of("cut.glb", glb), HasSubstr("has 12 of 4096 bytes"));
+}
+
+TEST_F(DamagedModels, OtherFiles) {
+    EXPECT_THAT(error_of("a.obj", "\x89PNG\r\n\x1a\n...."), HasSubstr("is a PNG picture"));
+    EXPECT_THAT(error_of("b.obj", "glTF\x02"), HasSubstr("name it .glb"));
+    EXPECT_THAT(error_of("c.gltf", "<!DOCTYPE html><html></html>"), HasSubstr("is a web page"));
+    EXPECT_THAT(error_of("d.glb", "version https://git-lfs.github.com/spec/v1\n"),
+                HasSubstr("git lfs pull"));
+    EXPECT_THAT(error_of("e.glb", "hello"), HasSubstr("is damaged, or no .glb file"));
+}
+
+}  // namespace
+}  // namespace atrium::model
