@@ -2,6 +2,7 @@
 
 #include "core/geometry/roll_pitch_yaw.hpp"
 #include "world_server/description/load_doubts.hpp"
+#include "world_server/description/soft_doubts.hpp"
 #include "world_server/description/start_doubts.hpp"
 
 #include <fmt/format.h>
@@ -304,6 +305,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_soft_models(world, lines);
     doubt_sizes_of_scenery(world, lines);
     doubt_starts(world, lines);
+    doubt_soft(world, lines);
     doubt_loads(world, tick_hz, lines);
     doubt_rights(world, lines);
     return lines;

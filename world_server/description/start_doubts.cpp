@@ -13,8 +13,6 @@ namespace atrium::world_server {
 namespace {
 
 constexpr double kDeepRigid_m = 0.05;
-constexpr double kDeepSoft_m = 0.03;
-constexpr double kFarAnchor_m = 0.5;
 constexpr double kNearAnchor_m = 0.1;
 
 bool is_plane(const WorldObject& object) {
@@ -43,10 +41,6 @@ geometry::Aabb local_box_of(const physics::RigidObject& object) {
 double local_distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& object) {
     const geometry::Aabb box = local_box_of(object);
     return (place_m - place_m.cwiseMax(box.min).cwiseMin(box.max)).norm();
-}
-
-double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& object) {
-    return local_distance_m(object.world_from_object.inverse() * place_m, object);
 }
 
 bool touch(const geometry::Aabb& a, const geometry::Aabb& b) {
@@ -145,24 +139,11 @@ void doubt_outside(const WorldDescription& world, std::vector<std::string>& line
     }
 }
 
-void doubt_soft(const WorldDescription& world, std::vector<std::string>& lines) {
-    for (const WorldSoftObject& soft : world.soft) {
-        for (const WorldObject& fixed : world.objects) {
-            if (fixed.rigid.mass_kg != 0.0) continue;
-            const double depth_m = physics::overlap_m(soft.object, to_rigid(fixed));
-            if (depth_m <= kDeepSoft_m) continue;
-            lines.push_back(fmt::format(
-                "soft_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which is fixed: move "
-                "it with position_m\"",
-                soft.name,
-                depth_m,
-                fixed.name));
-            break;
-        }
-    }
-}
-
 }  // namespace
+
+double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& object) {
+    return local_distance_m(object.world_from_object.inverse() * place_m, object);
+}
 
 geometry::Aabb start_box_of(const physics::RigidObject& object) {
     const geometry::Aabb box = local_box_of(object);
@@ -180,7 +161,6 @@ void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines
     doubt_rigid(world, lines);
     doubt_in_scenery(world, lines);
     doubt_outside(world, lines);
-    doubt_soft(world, lines);
 }
 
 void doubt_anchors(const WorldDescription& world, std::vector<std::string>& lines) {

@@ -11,7 +11,13 @@ namespace atrium::world_server {
 /// Returns the bounding box of an object at its start, in the world; a plane's is infinite.
 geometry::Aabb start_box_of(const physics::RigidObject& object);
 
-/// Adds a line for each moving or soft object that starts inside another object, unless a joint
+/// A joint or tie this far from its object is doubted.
+inline constexpr double kFarAnchor_m = 0.5;
+
+/// Returns the distance of a place in the world from the object's box at its start [m].
+double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& object);
+
+/// Adds a line for each moving object that starts inside another object, unless a joint
 /// without `collide` connects the two; for each moving one in the surface of solid scenery; and for
 /// each fixed object and each site outside the world's bounds.
 void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines);

@@ -139,21 +139,5 @@ TEST_F(WorldDoubts, NameAModelThatStartsInTheFloor) {
                                   HasSubstr("the place of its file's origin"))));
 }
 
-TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAFixedOne) {
-    const auto cloth = [](double middle_m) {
-        return "[[soft]]\nname = \"flag\"\nshape = \"cloth\"\nsize_m = [0.6, 0.6]\nmass_kg = "
-               "0.2\nposition_m = [0, 0, " +
-               std::to_string(middle_m) + "]\n";
-    };
-    EXPECT_THAT(doubts(kFloor + cloth(0.29)), IsEmpty());
-    EXPECT_THAT(doubts(kFloor + cloth(0.2)),
-                ElementsAre(HasSubstr("soft_looks_wrong name=flag reason=\"starts 0.10 m inside "
-                                      "floor")));
-    const std::string rail = box("rail", 0, "position_m = [0, 0, 1.6]");
-    EXPECT_THAT(doubts(rail + cloth(1.15) + "pins = [\"top\"]\n"), IsEmpty())
-        << "only its pinned edge is inside";
-    EXPECT_THAT(doubts(rail + cloth(1.2)), ElementsAre(HasSubstr("inside rail")));
-}
-
 }  // namespace
 }  // namespace atrium::world_server

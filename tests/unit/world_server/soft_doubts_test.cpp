@@ -1,0 +1,56 @@
+#include "tests/unit/world_server/world_doubts.hpp"
+
+namespace atrium::world_server {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAFixedOne) {
+    const auto cloth = [](double middle_m) {
+        return "[[soft]]\nname = \"flag\"\nshape = \"cloth\"\nsize_m = [0.6, 0.6]\nmass_kg = "
+               "0.2\nposition_m = [0, 0, " +
+               std::to_string(middle_m) + "]\n";
+    };
+    EXPECT_THAT(doubts(kFloor + cloth(0.29)), IsEmpty());
+    EXPECT_THAT(doubts(kFloor + cloth(0.2)),
+                ElementsAre(HasSubstr("soft_looks_wrong name=flag reason=\"starts 0.10 m inside "
+                                      "floor")));
+    const std::string rail = box("rail", 0, "position_m = [0, 0, 1.6]");
+    EXPECT_THAT(doubts(rail + cloth(1.15) + "pins = [\"top\"]\n"), IsEmpty())
+        << "only its pinned edge is inside";
+    EXPECT_THAT(doubts(rail + cloth(1.2)), ElementsAre(HasSubstr("inside rail")));
+}
+
+TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAMovingOne) {
+    const auto ball = [](double middle_m) {
+        return "[[soft]]\nname = \"soft\"\nshape = \"ball\"\ndiameter_m = 0.3\nmass_kg = 1\n"
+               "position_m = [0, 0, " +
+               std::to_string(middle_m) + "]\n";
+    };
+    const std::string crate = kFloor + box("crate", 1, "position_m = [0, 0, 0.2]");
+    EXPECT_THAT(doubts(crate + ball(0.56)), IsEmpty()) << "on it";
+    EXPECT_THAT(doubts(crate + ball(0.2)),
+                ElementsAre(HasSubstr("soft_looks_wrong name=soft reason=\"starts 0.")));
+    EXPECT_THAT(doubts(crate + ball(0.5)),
+                ElementsAre(HasSubstr("inside crate, which throws both apart")));
+}
+
+TEST_F(WorldDoubts, NameATieFarFromItsObject) {
+    const auto rope = [](double end_m) {
+        return kFloor + box("b", 1, "position_m = [0, 0, 1]") +
+               "[[soft]]\nname = \"rope\"\nshape = \"rope\"\nlength_m = 1\ndiameter_m = 0.02\n"
+               "mass_kg = 1\npins = [\"start\"]\ntied = [\"end\"]\ntied_to = \"b\"\n"
+               "position_m = [" +
+               std::to_string(end_m - 0.5) + ", 0, 1]\n";
+    };
+    EXPECT_THAT(doubts(rope(-0.2)), IsEmpty());
+    EXPECT_THAT(doubts(rope(-0.6)), IsEmpty()) << "0.4 m away";
+    EXPECT_THAT(doubts(rope(-3.2)),
+                ElementsAre(HasSubstr("soft_looks_wrong name=rope reason=\"tied at [-3.20, 0.00, "
+                                      "1.00] is 3 m away from b;")));
+}
+
+}  // namespace
+}  // namespace atrium::world_server

@@ -1,0 +1,88 @@
+#include "world_server/description/soft_doubts.hpp"
+
+#include "world_server/description/start_doubts.hpp"
+#include "world_server/physics/soft/soft_mesh.hpp"
+#include "world_server/physics/start_overlap.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace atrium::world_server {
+namespace {
+
+constexpr double kDeepSoft_m = 0.03;
+
+bool may_be_in(const geometry::Aabb& soft, const physics::RigidObject& rigid) {
+    if (rigid.shape == physics::ObjectShape::kPlane) return true;
+    const geometry::Aabb box = start_box_of(rigid);
+    return (soft.min.array() <= box.max.array()).all() &&
+           (box.min.array() <= soft.max.array()).all();
+}
+
+// `mesh` is that of the soft object, in the world.
+void doubt_soft_start(const WorldDescription& world,
+                      const WorldSoftObject& soft,
+                      const physics::SoftMesh& mesh,
+                      std::vector<std::string>& lines) {
+    geometry::Aabb around;
+    for (const Eigen::Vector3d& node : mesh.nodes) around.add(node);
+    for (const WorldObject& object : world.objects) {
+        const physics::RigidObject rigid = to_rigid(object);
+        if (!may_be_in(around, rigid)) continue;
+        const double depth_m = physics::overlap_m(soft.object, rigid);
+        if (depth_m <= kDeepSoft_m) continue;
+        lines.push_back(
+            fmt::format("soft_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which {}: "
+                        "move it with position_m\"",
+                        soft.name,
+                        depth_m,
+                        object.name,
+                        rigid.mass_kg == 0.0 ? "is fixed" : "throws both apart"));
+        return;
+    }
+}
+
+// `mesh` is that of the soft object, in the world.
+void doubt_ties(const WorldDescription& world,
+                const WorldSoftObject& soft,
+                const physics::SoftMesh& mesh,
+                std::vector<std::string>& lines) {
+    for (const physics::SoftPin& pin : soft.object.pins) {
+        const auto object = std::ranges::find(
+            world.objects, pin.object_id, [](const WorldObject& o) { return o.rigid.id; });
+        if (object == world.objects.end()) continue;
+        double nearest_m = std::numeric_limits<double>::infinity();
+        Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
+        for (const std::uint32_t node : physics::nodes_at(mesh, soft.object, pin)) {
+            const double far_m = distance_m(mesh.nodes[node], object->rigid);
+            if (far_m >= nearest_m) continue;
+            nearest_m = far_m;
+            place_m = mesh.nodes[node];
+        }
+        if (nearest_m <= kFarAnchor_m) continue;
+        lines.push_back(
+            fmt::format("soft_looks_wrong name={} reason=\"tied at [{:.2f}, {:.2f}, {:.2f}] is "
+                        "{:.2g} m away from {}; move one of them with position_m\"",
+                        soft.name,
+                        place_m.x(),
+                        place_m.y(),
+                        place_m.z(),
+                        nearest_m,
+                        object->name));
+    }
+}
+
+}  // namespace
+
+void doubt_soft(const WorldDescription& world, std::vector<std::string>& lines) {
+    for (const WorldSoftObject& soft : world.soft) {
+        physics::SoftMesh mesh = physics::make_soft_mesh(soft.object);
+        for (Eigen::Vector3d& node : mesh.nodes) node = soft.object.world_from_object * node;
+        doubt_soft_start(world, soft, mesh, lines);
+        doubt_ties(world, soft, mesh, lines);
+    }
+}
+
+}  // namespace atrium::world_server
