@@ -55,10 +55,40 @@ std::string line_of(std::string_view text, std::size_t number) {
     return line;
 }
 
-// What is probably wrong with the line.
-std::string_view hint(std::string_view line) {
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Of a number that starts or ends with its decimal point, as ".5" or "5.", how TOML writes it; or
+// nothing.
+std::string number_meant_in(std::string_view line) {
+    char quote = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        const char c = line[i];
+        if (quote != 0) {
+            if (c == quote) quote = 0;
+        } else if (c == '"' || c == '\'') {
+            quote = c;
+        } else if (c == '#') {
+            return {};
+        } else if (c == '.') {
+            std::size_t begin = i, end = i + 1;
+            while (begin > 0 && is_digit(line[begin - 1])) --begin;
+            while (end < line.size() && is_digit(line[end])) ++end;
+            const std::string_view before = line.substr(begin, i - begin);
+            const std::string_view after = line.substr(i + 1, end - i - 1);
+            if (before.empty() == after.empty()) continue;
+            return fmt::format("{}.{}", before.empty() ? "0" : before, after.empty() ? "0" : after);
+        }
+    }
+    return {};
+}
+
+// What is probably wrong with the line, of which the library says `what`.
+std::string hint(std::string_view line, std::string_view what) {
     const auto equals = line.find('=');
     if (line.starts_with('[')) return "a table is written [name], several of them [[name]]";
+    if (what.ends_with("already exists")) return "write each key once in its table";
+    if (const std::string number = number_meant_in(line); !number.empty())
+        return fmt::format("a number needs digits on both sides of its point: write {}", number);
     if (equals == std::string_view::npos) return "a value is written key = value";
     return "text needs double quotes, a number a decimal point, and a switch is true or false";
 }
@@ -122,13 +152,14 @@ Expected<toml::value> parse_toml(const std::string& text, const std::string& nam
     } catch (const toml::exception& failure) {
         const std::size_t number = failure.location().line();
         const std::string line = line_of(text, number);
+        const std::string what = what_of(failure);
         return make_error(ErrorKind::kConfiguration,
                           fmt::format("{}:{}: not valid TOML: {}, in '{}'; {}",
                                       name,
                                       number,
-                                      what_of(failure),
+                                      what,
                                       line,
-                                      hint(line)));
+                                      hint(line, what)));
     } catch (const std::exception& failure) {
         return make_error(ErrorKind::kConfiguration,
                           fmt::format("{}: not valid TOML: {}", name, failure.what()));

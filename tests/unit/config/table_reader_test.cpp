@@ -11,6 +11,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 TableReader reader_of(const std::string& text) {
     auto reader = TableReader::parse(text, "room.toml");
@@ -211,6 +212,27 @@ TEST(TableReader, ReportsMissingFilesFoldersAndBrokenToml) {
     const auto broken = TableReader::parse("a = 1\nb = = 2\n", "room.toml");
     ASSERT_FALSE(broken);
     EXPECT_THAT(broken.error().message, HasSubstr("room.toml:2"));
+}
+
+TEST(TableReader, SaysHowToWriteANumberThatLacksDigits) {
+    const auto error = [](const std::string& text) {
+        return TableReader::parse(text, "room.toml").error().message;
+    };
+    EXPECT_THAT(error("a = 1\nb = .3\n"), AllOf(HasSubstr("room.toml:2"), HasSubstr("write 0.3")));
+    EXPECT_THAT(error("b = -.25\n"), HasSubstr("write 0.25"));
+    EXPECT_THAT(error("b = 3.\n"), HasSubstr("write 3.0"));
+    EXPECT_THAT(error("b = [1, 0.5, .3]\n"), HasSubstr("write 0.3"));
+    EXPECT_THAT(error("b = [\n  1.5,\n  .3]\n"), HasSubstr("write 0.3"));
+    EXPECT_THAT(error("b = \"a .3\" x # .3\n"), Not(HasSubstr("write 0.3")));
+}
+
+TEST(TableReader, SaysThatAKeyIsWrittenTwiceAndNotHowToWriteValues) {
+    const auto reader = TableReader::parse("a = 0.5\na = 0.6\n", "room.toml");
+    ASSERT_FALSE(reader);
+    EXPECT_THAT(reader.error().message,
+                AllOf(HasSubstr("room.toml:2"),
+                      HasSubstr("write each key once in its table"),
+                      Not(HasSubstr("quotes"))));
 }
 
 TEST(TableReader, ShowsALineThatIsNotTomlAndSaysHowToWriteIt) {
