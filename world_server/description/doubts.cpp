@@ -1,6 +1,8 @@
 #include "world_server/description/doubts.hpp"
 
 #include "core/geometry/roll_pitch_yaw.hpp"
+#include "world_server/description/amount_doubts.hpp"
+#include "world_server/description/layout_doubts.hpp"
 #include "world_server/description/load_doubts.hpp"
 #include "world_server/description/soft_doubts.hpp"
 #include "world_server/description/start_doubts.hpp"
@@ -298,6 +300,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_textures(world, lines);
     doubt_colours(world, lines);
     doubt_gravity(world, lines);
+    doubt_layout(world, lines);
     doubt_rotations(world, lines);
     doubt_joints(world, lines);
     doubt_anchors(world, lines);
@@ -307,6 +310,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_starts(world, lines);
     doubt_soft(world, lines);
     doubt_loads(world, tick_hz, lines);
+    doubt_amounts(world, lines);
     doubt_rights(world, lines);
     return lines;
 }

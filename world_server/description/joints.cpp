@@ -1,6 +1,5 @@
 #include "world_server/description/joints.hpp"
 
-#include "core/config/spelling.hpp"
 #include "world_server/description/shared_entries.hpp"
 
 #include <algorithm>
@@ -12,19 +11,10 @@ namespace {
 
 constexpr config::Range kAmount{0.0, 1e5};
 
-const WorldObject* find(const std::vector<WorldObject>& objects, const std::string& name) {
-    const auto found = std::find_if(
-        objects.begin(), objects.end(), [&](const WorldObject& o) { return o.name == name; });
-    return found == objects.end() ? nullptr : &*found;
-}
-
-// " (did you mean door?)", or nothing.
-std::string meant_by(const std::string& written, const std::vector<WorldObject>& objects) {
-    std::vector<std::string> names;
-    for (const WorldObject& object : objects) names.push_back(object.name);
-    const std::string question = config::ask_which(config::names_meant_by(written, names));
-    return question.empty() ? "; soft objects have pins and tied_to instead"
-                            : " (" + question + ")";
+// " (did you mean door?)", or advice.
+std::string meant_end(const std::string& written, const std::vector<WorldObject>& objects) {
+    const std::string question = object_meant_by(written, objects);
+    return question.empty() ? "; soft objects have pins and tied_to instead" : question;
 }
 
 void read_ends(config::TableReader& reader,
@@ -34,12 +24,13 @@ void read_ends(config::TableReader& reader,
     reader.require("a");
     reader.read("a", a);
     reader.read("b", b);
-    const WorldObject* object_a = find(objects, a);
-    const WorldObject* object_b = find(objects, b);
+    const WorldObject* object_a = find_object(objects, a);
+    const WorldObject* object_b = find_object(objects, b);
     if (object_a == nullptr)
-        return reader.reject("a", "must be the name of an object" + meant_by(a, objects));
+        return reader.reject("a", "must be the name of an object" + meant_end(a, objects));
     if (object_b == nullptr && b != "world")
-        return reader.reject("b", "must be the name of an object, or world" + meant_by(b, objects));
+        return reader.reject("b",
+                             "must be the name of an object, or world" + meant_end(b, objects));
     joint.a = object_a->rigid.id;
     joint.b = object_b == nullptr ? 0 : object_b->rigid.id;
     const bool b_moves = object_b != nullptr && object_b->rigid.mass_kg > 0.0;

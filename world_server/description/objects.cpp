@@ -99,6 +99,7 @@ WorldObject read_object(config::TableReader& reader,
     read_texture(reader, object.look.texture);
     read_colour(reader, object.look.texture, object.look.own_colours, object.look.colour);
     read_pose(reader, rigid.world_from_object);
+    object.where = reader.where("position_m");
     reader.read("friction", rigid.friction, {0.0, 10.0});
     reader.read("restitution", rigid.restitution, {0.0, 1.0});
     reader.read("rolling_friction_m", rigid.rolling_friction_m, {0.0, 1.0});

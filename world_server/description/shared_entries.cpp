@@ -108,4 +108,16 @@ bool read_model_name(config::TableReader& reader, std::string& model, double& sc
     return true;
 }
 
+const WorldObject* find_object(const std::vector<WorldObject>& objects, const std::string& name) {
+    const auto found = std::ranges::find(objects, name, &WorldObject::name);
+    return found == objects.end() ? nullptr : &*found;
+}
+
+std::string object_meant_by(const std::string& written, const std::vector<WorldObject>& objects) {
+    std::vector<std::string> names;
+    for (const WorldObject& object : objects) names.push_back(object.name);
+    const std::string question = config::ask_which(config::names_meant_by(written, names));
+    return question.empty() ? question : " (" + question + ")";
+}
+
 }  // namespace atrium::world_server

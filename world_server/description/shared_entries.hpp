@@ -2,6 +2,7 @@
 
 #include "core/config/table_reader.hpp"
 #include "core/geometry/rigid_transform.hpp"
+#include "world_server/description/world_object.hpp"
 
 #include <Eigen/Core>
 
@@ -38,5 +39,10 @@ void read_colour(config::TableReader& reader,
 bool read_model_name(config::TableReader& reader, std::string& model, double& scale);
 /// Rejects the file of `model`. If it does not exist, names a file that may be meant.
 void reject_model(config::TableReader& reader, Error error);
+
+/// Returns the object of that name; null if there is none.
+const WorldObject* find_object(const std::vector<WorldObject>& objects, const std::string& name);
+/// Returns " (did you mean door?)", or nothing.
+std::string object_meant_by(const std::string& written, const std::vector<WorldObject>& objects);
 
 }  // namespace atrium::world_server

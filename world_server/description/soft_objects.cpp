@@ -122,10 +122,9 @@ void read_pins(config::TableReader& table,
     }
 }
 
-WorldSoftObject read_soft_object(
-    config::TableReader& table,
-    const Materials& materials,
-    const std::function<std::optional<std::uint32_t>(const std::string& name)>& id_of) {
+WorldSoftObject read_soft_object(config::TableReader& table,
+                                 const Materials& materials,
+                                 const std::vector<WorldObject>& rigid) {
     WorldSoftObject soft;
     SoftObject& object = soft.object;
     read_name(table, soft.name);
@@ -146,15 +145,19 @@ WorldSoftObject read_soft_object(
     read_texture(table, soft.texture);
     read_colour(table, soft.texture, soft.own_colours, soft.colour);
     read_pose(table, object.world_from_object);
+    soft.where = table.where("position_m");
     read_pins(table, "pins", 0, object);
     if (table.has("tied") && !table.has("tied_to")) table.reject("tied", "needs tied_to");
     if (table.has("tied_to")) {
         std::string name;
         table.read("tied_to", name);
-        const auto id = id_of(name);
-        if (!id) table.reject("tied_to", "must be the name of an [[object]]");
+        const WorldObject* holder = find_object(rigid, name);
+        if (holder == nullptr) {
+            table.reject("tied_to",
+                         "must be the name of an [[object]]" + object_meant_by(name, rigid));
+        }
         table.require("tied");
-        read_pins(table, "tied", id.value_or(0), object);
+        read_pins(table, "tied", holder == nullptr ? 0 : holder->rigid.id, object);
     }
 
     if (const auto problem = physics::find_problem(object)) {
@@ -174,18 +177,16 @@ WorldSoftObject read_soft_object(
 
 }  // namespace
 
-std::vector<WorldSoftObject> read_soft_objects(
-    config::TableReader& reader,
-    const Materials& materials,
-    std::uint32_t first_id,
-    const std::function<std::optional<std::uint32_t>(const std::string& name)>& id_of) {
+std::vector<WorldSoftObject> read_soft_objects(config::TableReader& reader,
+                                               const Materials& materials,
+                                               const std::vector<WorldObject>& rigid) {
     std::vector<WorldSoftObject> objects;
     std::set<std::string> names;
     for (config::TableReader& table : reader.tables("soft")) {
-        objects.push_back(read_soft_object(table, materials, id_of));
+        objects.push_back(read_soft_object(table, materials, rigid));
         WorldSoftObject& soft = objects.back();
-        soft.object.id = first_id + static_cast<std::uint32_t>(objects.size()) - 1;
-        if (!names.insert(soft.name).second || id_of(soft.name)) {
+        soft.object.id = static_cast<std::uint32_t>(rigid.size() + objects.size());
+        if (!names.insert(soft.name).second || find_object(rigid, soft.name) != nullptr) {
             table.reject("name", "must be unique among the objects");
         }
     }

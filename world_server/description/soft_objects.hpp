@@ -2,13 +2,11 @@
 
 #include "core/config/table_reader.hpp"
 #include "world_server/description/material.hpp"
+#include "world_server/description/world_object.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
 
 #include <Eigen/Core>
 
-#include <cstdint>
-#include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,15 +22,13 @@ struct WorldSoftObject {
     std::string own_texture = {};           // picture that the model's file names; not drawn
     std::vector<Eigen::Vector3d> own_colours = {};  // see Look
     physics::SoftObject object;
+    std::string where = {};  // place of its position in the file, for errors; empty: unknown
 };
 
-/// Reads all `[[soft]]` tables. Ids start at `first_id`, in file order. `id_of` finds rigid objects
-/// by name, for `tied_to`. Ignores texture, restitution and rolling
-/// friction of materials. Problems go to `reader`.
-std::vector<WorldSoftObject> read_soft_objects(
-    config::TableReader& reader,
-    const Materials& materials,
-    std::uint32_t first_id,
-    const std::function<std::optional<std::uint32_t>(const std::string& name)>& id_of);
+/// Reads all `[[soft]]` tables. Ids continue after those of `rigid`, the objects that `tied_to` may
+/// name. Ignores texture, restitution and rolling friction of materials. Problems go to `reader`.
+std::vector<WorldSoftObject> read_soft_objects(config::TableReader& reader,
+                                               const Materials& materials,
+                                               const std::vector<WorldObject>& rigid);
 
 }  // namespace atrium::world_server

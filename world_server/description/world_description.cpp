@@ -6,11 +6,10 @@
 #include "world_server/description/puppets.hpp"
 #include "world_server/description/surroundings.hpp"
 
-#include <optional>
-
 namespace atrium::world_server {
 
 void read_world(config::TableReader& reader, WorldDescription& description) {
+    description.objects_at = reader.where("object");
     std::filesystem::path models = reader.folder().empty() ? "." : reader.folder();
     reader.read("world.models", models);
     reader.set_folder(models);
@@ -20,16 +19,7 @@ void read_world(config::TableReader& reader, WorldDescription& description) {
     const Materials materials = read_materials(reader);
     read_objects(reader, materials, description.objects);
     read_puppets(reader, materials, description.objects, description.joints);
-    description.soft =
-        read_soft_objects(reader,
-                          materials,
-                          static_cast<std::uint32_t>(description.objects.size() + 1),
-                          [&](const std::string& name) -> std::optional<std::uint32_t> {
-                              for (const WorldObject& object : description.objects) {
-                                  if (object.name == name) return object.rigid.id;
-                              }
-                              return std::nullopt;
-                          });
+    description.soft = read_soft_objects(reader, materials, description.objects);
     read_joints(reader, description.objects, description.joints);
     read_scenery(reader, materials, description.scenery);
     read_placements(reader, description.placements);

@@ -9,15 +9,17 @@
 #include "world_server/physics/world.hpp"
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace atrium::world_server {
 
 /// The contents of a world file, without the plain options of the server.
 struct WorldDescription {
-    physics::WorldOptions world;         // the file gives gravity and bounds
-    std::vector<WorldObject> objects;    // ids from 1; parts of puppets last
-    std::vector<WorldSoftObject> soft;   // ids continue after `objects`
+    std::string objects_at;             // as errors name it: "w.toml:7", or the file if it has none
+    physics::WorldOptions world;        // the file gives gravity and bounds
+    std::vector<WorldObject> objects;   // ids from 1; parts of puppets last
+    std::vector<WorldSoftObject> soft;  // ids continue after `objects`
     std::vector<physics::Joint> joints;  // refer to `objects` by id
     std::vector<WorldScenery> scenery;
     std::vector<NamedPlacement> placements;

@@ -41,6 +41,9 @@ TEST(SoftConfig, NamesFileLineAndKeyOfAnError) {
     expect_error(kCloth + "spacing_m = 0.01\n", "spacing_m");
     expect_error(kCloth + "stiffness = 2.0\n", "stiffness");
     expect_error(kCloth + "tied_to = \"nobody\"\ntied = [\"top\"]\n", "tied_to");
+    expect_error("[[object]]\nname = \"mast\"\nshape = \"plane\"\n" + kCloth +
+                     "tied_to = \"msat\"\ntied = [\"top\"]\n",
+                 "must be the name of an [[object]] (did you mean mast?)");
     expect_error(kCloth + "tied = [\"top\"]\n", "needs tied_to");
     expect_error(kCloth + "softness = 2.0\n", "softness");
     expect_error(kCloth + kCloth, "name");

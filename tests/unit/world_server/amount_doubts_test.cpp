@@ -1,0 +1,58 @@
+#include "tests/unit/world_server/world_doubts.hpp"
+
+namespace atrium::world_server {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST_F(WorldDoubts, NameAFrictionThatNoMaterialHas) {
+    EXPECT_THAT(doubts(kFloor + std::string("friction = 5\n")), IsEmpty());
+    EXPECT_THAT(doubts(kFloor + std::string("friction = 8\n")),
+                ElementsAre(HasSubstr("object_looks_wrong name=floor reason=\"friction = 8 is more "
+                                      "than any material has")));
+    const std::string flag = "[[soft]]\nname = \"flag\"\nshape = \"cloth\"\nsize_m = [1, 1]\n";
+    EXPECT_THAT(doubts(flag + "mass_kg = 1\nfriction = 8\n"),
+                ElementsAre(HasSubstr("soft_looks_wrong name=flag")));
+}
+
+TEST_F(WorldDoubts, NameADensityThatNoMaterialHas) {
+    EXPECT_THAT(doubts(box("b", 0.2, "")), IsEmpty()) << "3.1 kg/m^3";
+    EXPECT_THAT(doubts(box("b", 0.1, "")),
+                ElementsAre(HasSubstr("object_looks_wrong name=b reason=\"its 0.1 kg are 1.6 "
+                                      "kg/m^3 in its volume, hardly more than air")));
+    EXPECT_THAT(doubts(box("b", 1500, "")), IsEmpty()) << "23400 kg/m^3";
+    EXPECT_THAT(doubts(box("b", 1700, "")),
+                ElementsAre(HasSubstr("kg/m^3 in its volume, more than any metal")));
+    EXPECT_THAT(doubts(box("b", 0, "")), IsEmpty()) << "a fixed object has no mass";
+}
+
+TEST_F(WorldDoubts, NameASpringThatThrowsItsObject) {
+    const auto spring = [](const std::string& rest) {
+        return box("b", 1, "position_m = [0, 0, 1]") +
+               "[[joint]]\nkind = \"spring\"\na = \"b\"\nanchor_m = [0, 0, 1.2]\n"
+               "anchor_b_m = [0, 0, 2.2]\n" +
+               rest;
+    };
+    EXPECT_THAT(doubts(spring("stiffness_npm = 1000000\n")), IsEmpty()) << "at rest";
+    EXPECT_THAT(doubts(spring("stiffness_npm = 100\nrest_length_m = 0.2\n")), IsEmpty());
+    EXPECT_THAT(doubts(spring("stiffness_npm = 10\nrest_length_m = 3.9\n")), IsEmpty());
+    EXPECT_THAT(doubts(spring("stiffness_npm = 10\nrest_length_m = 4.1\n")),
+                ElementsAre(HasSubstr("joint_looks_wrong a=b b=world reason=\"rest_length_m = 4.1, "
+                                      "but its anchors are 1 m apart at the start: it pushes with "
+                                      "31 newtons")));
+    EXPECT_THAT(doubts(spring("stiffness_npm = 10\nrest_length_m = 4.1\npulls_only = true\n")),
+                IsEmpty())
+        << "a slack string";
+    const std::string stiff = "stiffness_npm = 1000000\nrest_length_m = 0.5\n";
+    EXPECT_THAT(doubts(spring(stiff)),
+                ElementsAre(AllOf(HasSubstr("it pulls with 5e+05 newtons"),
+                                  HasSubstr("which makes b up to 5e+02 m/s fast"))));
+    EXPECT_THAT(doubts(spring(stiff + "force_max_n = 100\n")), IsEmpty());
+    EXPECT_THAT(doubts(spring(stiff + "damping_nspm = 100000\n")), IsEmpty());
+}
+
+}  // namespace
+}  // namespace atrium::world_server

@@ -1,0 +1,119 @@
+#include "world_server/description/amount_doubts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::world_server {
+namespace {
+
+constexpr double kLargestFriction = 5.0;
+constexpr double kLeastDensity = 3.0;        // [kg/m^3]; a beach ball has 4.5
+constexpr double kLargestDensity = 25000.0;  // [kg/m^3]; osmium has 22600
+constexpr double kLargestStretch_m = 3.0;    // of a spring, at the start
+constexpr double kAtRest_m = 0.001;
+
+void doubt_friction(const WorldDescription& world, std::vector<std::string>& lines) {
+    const auto look_at = [&](const char* kind, const std::string& name, double friction) {
+        if (friction <= kLargestFriction) return;
+        lines.push_back(
+            fmt::format("{}_looks_wrong name={} reason=\"friction = {:.3g} is more than "
+                        "any material has: ice has 0.05, wood 0.5, rubber 1\"",
+                        kind,
+                        name,
+                        friction));
+    };
+    for (const WorldObject& object : world.objects)
+        look_at("object", object.name, object.rigid.friction);
+    for (const WorldSoftObject& soft : world.soft) look_at("soft", soft.name, soft.object.friction);
+    for (const WorldScenery& scenery : world.scenery)
+        look_at("scenery", scenery.name, scenery.friction);
+}
+
+void doubt_densities(const WorldDescription& world, std::vector<std::string>& lines) {
+    for (const WorldObject& object : world.objects) {
+        const double mass_kg = object.rigid.mass_kg;
+        if (mass_kg == 0.0) continue;
+        const double density = mass_kg / physics::volume_m3(to_rigid(object));
+        if (density >= kLeastDensity && density <= kLargestDensity) continue;
+        lines.push_back(
+            fmt::format("object_looks_wrong name={} reason=\"its {:.3g} kg are {:.2g} "
+                        "kg/m^3 in its volume, {}: check mass_kg and the size\"",
+                        object.name,
+                        mass_kg,
+                        density,
+                        density < kLeastDensity ? "hardly more than air; foam has 20, wood 600"
+                                                : "more than any metal; steel has 7800"));
+    }
+}
+
+// How a spring acts at the start.
+struct Pull {
+    double stretch_m = 0.0;  // negative: compressed
+    double force_n = 0.0;
+    const WorldObject* lightest = nullptr;  // of its objects that move
+    double speed_mps = 0.0;                 // to which it accelerates that one alone
+};
+
+Pull pull_of(const physics::Joint& joint, const WorldDescription& world) {
+    Pull pull;
+    pull.stretch_m = (joint.anchor_m - joint.anchor_b_m).norm() - joint.rest_length_m;
+    if (joint.pulls_only) pull.stretch_m = std::max(pull.stretch_m, 0.0);
+    const double length_m = std::abs(pull.stretch_m);
+    pull.force_n = joint.stiffness_npm * length_m;
+    const bool is_limited = joint.force_max > 0.0 && pull.force_n > joint.force_max;
+    if (is_limited) pull.force_n = joint.force_max;
+    for (const WorldObject& object : world.objects) {
+        const physics::RigidObject& rigid = object.rigid;
+        if ((rigid.id != joint.a && rigid.id != joint.b) || rigid.mass_kg == 0.0) continue;
+        if (pull.lightest == nullptr || rigid.mass_kg < pull.lightest->rigid.mass_kg)
+            pull.lightest = &object;
+    }
+    if (pull.lightest == nullptr) return pull;
+    // all its energy becomes motion, unless its damping balances its force before
+    const double energy_j = pull.force_n * length_m * (is_limited ? 1.0 : 0.5);
+    pull.speed_mps = std::sqrt(2.0 * energy_j / pull.lightest->rigid.mass_kg);
+    if (joint.damping > 0.0)
+        pull.speed_mps = std::min(pull.speed_mps, pull.force_n / joint.damping);
+    return pull;
+}
+
+void doubt_springs(const WorldDescription& world, std::vector<std::string>& lines) {
+    const auto name = [&](std::uint32_t id) {
+        const auto found = std::ranges::find(
+            world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
+        return found == world.objects.end() ? "world" : found->name;
+    };
+    for (const physics::Joint& joint : world.joints) {
+        if (joint.kind != physics::JointKind::kSpring) continue;
+        const Pull pull = pull_of(joint, world);
+        if (std::abs(pull.stretch_m) < kAtRest_m || pull.lightest == nullptr) continue;
+        if (std::abs(pull.stretch_m) <= kLargestStretch_m &&
+            pull.speed_mps <= world.world.max_speed_mps)
+            continue;
+        lines.push_back(fmt::format(
+            "joint_looks_wrong a={} b={} reason=\"rest_length_m = {:.3g}, but its anchors are "
+            "{:.3g} "
+            "m apart at the start: it {} with {:.2g} newtons, which makes {} up to {:.2g} m/s "
+            "fast\"",
+            name(joint.a),
+            name(joint.b),
+            joint.rest_length_m,
+            (joint.anchor_m - joint.anchor_b_m).norm(),
+            pull.stretch_m > 0.0 ? "pulls" : "pushes",
+            pull.force_n,
+            pull.lightest->name,
+            pull.speed_mps));
+    }
+}
+
+}  // namespace
+
+void doubt_amounts(const WorldDescription& world, std::vector<std::string>& lines) {
+    doubt_friction(world, lines);
+    doubt_densities(world, lines);
+    doubt_springs(world, lines);
+}
+
+}  // namespace atrium::world_server
