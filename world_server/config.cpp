@@ -8,6 +8,9 @@
 namespace atrium::world_server {
 namespace {
 
+// "w.toml:9: ", or nothing.
+std::string before(const std::string& where) { return where.empty() ? where : where + ": "; }
+
 // "[-4, -4, -0.5] to [4, 4, 4] m; it is at [150, 0, 50]".
 std::string place_and_bounds(const Eigen::Vector3d& place_m, const geometry::Aabb& box) {
     return fmt::format("[{}] to [{}] m; it is at [{}]",
@@ -95,7 +98,8 @@ Expected<void> check(const WorldServerConfig& config) {
     for (const WorldObject& object : config.objects) {
         const physics::RigidObject& rigid = object.rigid;
         if (rigid.mass_kg > 0.0 && !box.contains(rigid.world_from_object.translation)) {
-            return wrong(fmt::format("object '{}': must start inside the world's bounds, {}",
+            return wrong(fmt::format("{}object '{}': must start inside the world's bounds, {}",
+                                     before(object.where),
                                      object.name,
                                      place_and_bounds(rigid.world_from_object.translation, box)));
         }
@@ -103,7 +107,8 @@ Expected<void> check(const WorldServerConfig& config) {
     for (const WorldSoftObject& soft : config.soft) {
         if (!box.contains(soft.object.world_from_object.translation)) {
             return wrong(
-                fmt::format("soft object '{}': must start inside the world's bounds, {}",
+                fmt::format("{}soft object '{}': must start inside the world's bounds, {}",
+                            before(soft.where),
                             soft.name,
                             place_and_bounds(soft.object.world_from_object.translation, box)));
         }
