@@ -196,10 +196,10 @@ TEST_F(WorldFile, ErrorsNameFileLineKeyAndWhatIsAllowed) {
         {"[bounds]\nmin_m = [0, 0, 0]\nmax_m = [1, 1, 1]\nleave = \"explode\"\n",
          {"world.toml:4", "leave", "bounce"}},
         {kBall + "[bounds]\nmin_m = [1, 1, 1]\nmax_m = [2, 2, 2]\n",
-         {"ball", "inside", "[1, 1, 1] to [2, 2, 2] m; it is at ["}},
+         {"world.toml:1: object 'ball'", "inside", "[1, 1, 1] to [2, 2, 2] m; it is at ["}},
         {"[[soft]]\nname = \"far\"\nshape = \"ball\"\ndiameter_m = 0.3\nmass_kg = 1.0\n"
          "position_m = [50, 0, 1]\n",
-         {"far", "inside"}},
+         {"world.toml:6: soft object 'far'", "inside"}},
         {"[[scenery]]\nname = \"s\"\nmodel = \"models/none.obj\"\n", {"world.toml:3", "none.obj"}},
     };
     for (const auto& c : cases) {
