@@ -1,9 +1,9 @@
 #include "tools/calibrate/conclude.hpp"
 
 #include "tools/calibrate/conclude_up.hpp"
-#include "tools/calibrate/formats/rig_name.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
-#include "tools/calibrate/recording/name_parts.hpp"
+#include "tools/calibrate/names/name_parts.hpp"
+#include "tools/calibrate/names/rig_name.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

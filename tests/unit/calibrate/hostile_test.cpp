@@ -2,7 +2,7 @@
 #include "tests/unit/calibrate/foreign_texts.hpp"
 #include "tools/calibrate/conclude.hpp"
 #include "tools/calibrate/formats/format.hpp"
-#include "tools/calibrate/formats/rig_name.hpp"
+#include "tools/calibrate/names/rig_name.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

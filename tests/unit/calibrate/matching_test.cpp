@@ -2,7 +2,7 @@
 #include "tools/calibrate/recording/matching.hpp"
 
 #include "tests/unit/calibrate/recording_fixture.hpp"
-#include "tools/calibrate/recording/name_parts.hpp"
+#include "tools/calibrate/names/name_parts.hpp"
 
 #include <gmock/gmock.h>
 

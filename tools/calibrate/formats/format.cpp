@@ -1,8 +1,8 @@
 #include "tools/calibrate/formats/format.hpp"
 
 #include "tools/calibrate/formats/folder_files.hpp"
-#include "tools/calibrate/formats/rig_name.hpp"
-#include "tools/calibrate/recording/name_parts.hpp"
+#include "tools/calibrate/names/name_parts.hpp"
+#include "tools/calibrate/names/rig_name.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,6 +1,6 @@
 #include "tools/calibrate/recording/matching.hpp"
 
-#include "tools/calibrate/recording/name_parts.hpp"
+#include "tools/calibrate/names/name_parts.hpp"
 
 #include <fmt/format.h>
 

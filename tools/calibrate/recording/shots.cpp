@@ -2,7 +2,7 @@
 
 #include "core/base/looked_up.hpp"
 #include "core/base/readable.hpp"
-#include "tools/calibrate/recording/name_parts.hpp"
+#include "tools/calibrate/names/name_parts.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "tools/calibrate/recording/takes.hpp"
 
+#include "tools/calibrate/names/name_parts.hpp"
 #include "tools/calibrate/recording/matching.hpp"
-#include "tools/calibrate/recording/name_parts.hpp"
 
 #include <fnmatch.h>
 

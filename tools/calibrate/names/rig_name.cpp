@@ -1,4 +1,4 @@
-#include "tools/calibrate/formats/rig_name.hpp"
+#include "tools/calibrate/names/rig_name.hpp"
 
 #include "core/config/rig.hpp"
 

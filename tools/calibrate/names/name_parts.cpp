@@ -1,6 +1,6 @@
-#include "tools/calibrate/recording/name_parts.hpp"
+#include "tools/calibrate/names/name_parts.hpp"
 
-#include "tools/calibrate/formats/rig_name.hpp"
+#include "tools/calibrate/names/rig_name.hpp"
 
 #include <algorithm>
 #include <cctype>
