@@ -107,7 +107,9 @@ void WorldEditing::take_keys(const EditEvents& events,
     else if (std::exchange(is_held_by_field_, false))
         out.push_back(history_.edit(bus::EditKind::kLetGo, dragged_.object.object));
     if (!events.save_world.empty()) out.push_back(history_.save_world(events.save_world, now));
-    if (!events.load_world.empty()) out.push_back(history_.load_world(events.load_world, now));
+    if (events.load_world.empty()) return;
+    out.push_back(history_.load_world(events.load_world, now));
+    selected_ = 0;  // another object may get its number
 }
 
 void WorldEditing::press(const Shown& shown, Clock::time_point now) {

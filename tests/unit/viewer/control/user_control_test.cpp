@@ -190,5 +190,19 @@ TEST_F(UserKeys, KeepAnObjectSelectedUntilItIsReallyRemoved) {
     EXPECT_FALSE(control_.edit_view(shown()).selected);
 }
 
+TEST_F(UserKeys, SelectNothingAfterALoadThatMayGiveTheNumberToAnotherObject) {
+    EditNews news;
+    news.saved_worlds.emplace();
+    control_.take(news, now_);
+    SurfaceEvents events;
+    events.edit.select = 3;
+    EXPECT_THAT(texts(events), IsEmpty());
+    ASSERT_TRUE(control_.edit_view(shown()).selected);
+    events = {};
+    events.edit.load_world = "evening";
+    EXPECT_THAT(texts(events), IsEmpty());
+    EXPECT_FALSE(control_.edit_view(shown()).selected);
+}
+
 }  // namespace
 }  // namespace atrium::viewer
