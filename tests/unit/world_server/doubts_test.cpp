@@ -9,10 +9,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-constexpr const char* kRock =
-    "[[object]]\nname = \"rock\"\nshape = \"convex\"\nmodel = \"rock.obj\"\nmass_kg = 50\n"
-    "position_m = [0, 0, 0]\n";
-
 TEST_F(WorldDoubts, NameATextureOfAModelFileThatIsNotDrawn) {
     EXPECT_THAT(doubts(kRock),
                 ElementsAre(AllOf(HasSubstr("texture_not_drawn model=rock.obj"),

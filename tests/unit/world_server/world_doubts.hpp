@@ -13,6 +13,9 @@
 
 namespace atrium::world_server {
 
+inline constexpr const char* kRock =
+    "[[object]]\nname = \"rock\"\nshape = \"convex\"\nmodel = \"rock.obj\"\nmass_kg = 50\n"
+    "position_m = [0, 0, 0]\n";
 inline constexpr const char* kFloor = "[[object]]\nname = \"floor\"\nshape = \"plane\"\n";
 
 inline std::string box(const std::string& name, double mass_kg, const std::string& rest) {
