@@ -77,6 +77,13 @@ void count_votes(const image::YuvView& picture,
     });
 }
 
+bool is_clear_ghost(const ComponentVotes& votes, const image::Mask& mask) {
+    constexpr int kFewest = 40;
+    constexpr double kMinSize = 0.003;  // of the picture
+    return votes.room >= kFewest && votes.room > 2 * votes.picture &&
+           votes.size > kMinSize * static_cast<double>(mask.data.size());
+}
+
 image::Mask judge_components(const image::YuvView& picture,
                              const BackgroundStatistics& room,
                              const image::Mask& mask,

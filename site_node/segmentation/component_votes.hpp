@@ -32,6 +32,11 @@ void count_votes(const image::YuvView& picture,
                  const image::Mask& mask,
                  ComponentScratch& scratch);
 
+/// Whether a part of `mask` is a ghost as large as a person. A person votes nearly always for the
+/// picture, also before a patterned wall. Small parts and parts without a clear majority are things
+/// that were moved a little.
+bool is_clear_ghost(const ComponentVotes& votes, const image::Mask& mask);
+
 /// What a 2x2 block of a segmented picture shows.
 enum class BlockState : std::uint8_t {
     kRoom,

@@ -4,18 +4,6 @@
 #include <bit>
 
 namespace atrium::segmentation {
-namespace {
-
-// A person votes nearly always for the picture, also before a patterned wall. Small parts and parts
-// without a clear majority are things that were moved a little.
-bool is_suspicious(const ComponentVotes& votes, const image::Mask& mask) {
-    constexpr int kFewest = 40;
-    constexpr double kMinSize = 0.003;  // of the picture
-    return votes.room >= kFewest && votes.room > 2 * votes.picture &&
-           votes.size > kMinSize * static_cast<double>(mask.data.size());
-}
-
-}  // namespace
 
 bool RoomWatch::is_due() {
     if (is_done_ || ++num_pictures_ < next_) return false;
@@ -34,7 +22,7 @@ std::optional<RoomWatch::Ghost> RoomWatch::look(const image::YuvView& picture,
     std::optional<Ghost> sure;
     std::int32_t largest = 0;
     for (const ComponentVotes& component : scratch_.components) {
-        if (!is_suspicious(component, mask)) continue;
+        if (!is_clear_ghost(component, mask)) continue;
         const Ghost at{static_cast<int>(component.sum_x / component.size),
                        static_cast<int>(component.sum_y / component.size)};
         std::uint16_t& looks = history_[static_cast<std::size_t>(

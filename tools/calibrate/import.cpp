@@ -4,6 +4,7 @@
 #include "site_node/capture/recording_source.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
 #include "tools/calibrate/recording/make_recording.hpp"
+#include "tools/calibrate/recording/room_checks.hpp"
 
 #include <fmt/format.h>
 
@@ -244,6 +245,8 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     append(report.told, conclusion->told);
     append(report.checks, conclusion->checks);
     append(report.problems, conclusion->problems);
+    if (const RoomDoubt doubt = look_for_people_in_rooms(*material); !doubt.text.empty())
+        (doubt.is_in_most_cameras ? report.problems : report.checks).push_back(doubt.text);
     const double rate_hz = conclusion->rig.rate_hz;
     if (!options.has_rate && material->rate_hz > 0.0)
         report.told.push_back(fmt::format("rate: {:.4g} Hz, as the videos say", rate_hz));

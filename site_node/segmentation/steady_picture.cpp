@@ -1,0 +1,103 @@
+#include "site_node/segmentation/steady_picture.hpp"
+
+#include "site_node/segmentation/component_votes.hpp"
+#include "site_node/segmentation/segmentation.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+namespace atrium::segmentation {
+namespace {
+
+// Writes the median of the planes; returns 255 where most of them show about that value.
+image::Mask find_medians(std::span<const image::YuvImage> pictures,
+                         image::Plane image::YuvImage::*plane,
+                         image::Plane& median) {
+    constexpr int kTolerance = 10;  // [grey levels]: noise and flicker
+    const image::Plane& first = pictures.front().*plane;
+    median = image::Plane(first.width, first.height);
+    image::Mask is_steady(first.width, first.height);
+    std::vector<std::uint8_t> values(pictures.size());
+    for (std::size_t i = 0; i < median.data.size(); ++i) {
+        for (std::size_t k = 0; k < values.size(); ++k) values[k] = (pictures[k].*plane).data[i];
+        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+        std::nth_element(values.begin(), middle, values.end());
+        median.data[i] = *middle;
+        const auto num_alike = std::ranges::count_if(
+            values, [&](std::uint8_t value) { return std::abs(value - *middle) <= kTolerance; });
+        is_steady.data[i] = 5 * num_alike >= 3 * std::ssize(values) ? 255 : 0;
+    }
+    return is_steady;
+}
+
+image::YuvImage picture_of(const BackgroundStatistics& room) {
+    image::YuvImage picture{image::Plane(room.width, room.height),
+                            image::Plane(room.width / 2, room.height / 2),
+                            image::Plane(room.width / 2, room.height / 2)};
+    const auto byte = [](int value) {
+        return static_cast<std::uint8_t>(std::clamp(value, 0, 255));
+    };
+    for (std::size_t i = 0; i < room.luma.size(); ++i)
+        picture.y.data[i] = byte((room.luma[i] + 128) / 256);
+    for (std::size_t i = 0; i < room.u.size(); ++i) {
+        picture.u.data[i] = byte(128 + room.u[i] / 128);
+        picture.v.data[i] = byte(128 + room.v[i] / 128);
+    }
+    return picture;
+}
+
+// What both tests call foreground. A shadow is background in one of them.
+std::optional<image::Mask> differing_both_ways(const BackgroundStatistics& room,
+                                               const image::YuvImage& take,
+                                               const SegmentationOptions& options) {
+    BackgroundLearner learner;
+    if (!learner.add(take)) return std::nullopt;
+    auto reverse = learner.finish();
+    if (!reverse) return std::nullopt;
+    image::Mask differs;
+    image::Mask differs_reversed;
+    if (!Segmenter(room, options).segment(take, differs)) return std::nullopt;
+    if (!Segmenter(std::move(*reverse), options).segment(picture_of(room), differs_reversed))
+        return std::nullopt;
+    for (std::size_t i = 0; i < differs.data.size(); ++i)
+        differs.data[i] &= differs_reversed.data[i];
+    return differs;
+}
+
+}  // namespace
+
+SteadyPicture find_steady_picture(std::span<const image::YuvImage> pictures) {
+    SteadyPicture result;
+    result.is_steady = find_medians(pictures, &image::YuvImage::y, result.picture.y);
+    const image::Mask u = find_medians(pictures, &image::YuvImage::u, result.picture.u);
+    const image::Mask v = find_medians(pictures, &image::YuvImage::v, result.picture.v);
+    for (int y = 0; y < result.is_steady.height; ++y) {
+        std::uint8_t* const row = result.is_steady.row(y);
+        for (int x = 0; x < result.is_steady.width; ++x)
+            row[x] &= u.at(x / 2, y / 2) & v.at(x / 2, y / 2);
+    }
+    return result;
+}
+
+std::optional<RoomGhost> find_ghost(const BackgroundStatistics& room,
+                                    const SteadyPicture& take,
+                                    const SegmentationOptions& options) {
+    auto mask = differing_both_ways(room, take.picture, options);
+    if (!mask) return std::nullopt;
+    if (2 * std::ranges::count(mask->data, 255) > std::ssize(mask->data)) return std::nullopt;
+    for (std::size_t i = 0; i < mask->data.size(); ++i) mask->data[i] &= take.is_steady.data[i];
+    ComponentScratch scratch;
+    count_votes(take.picture, room, *mask, scratch);
+    const ComponentVotes* largest = nullptr;
+    for (const ComponentVotes& component : scratch.components) {
+        if (is_clear_ghost(component, *mask) &&
+            (largest == nullptr || component.size > largest->size))
+            largest = &component;
+    }
+    if (largest == nullptr) return std::nullopt;
+    return RoomGhost{static_cast<int>(largest->sum_x / largest->size),
+                     static_cast<int>(largest->sum_y / largest->size)};
+}
+
+}  // namespace atrium::segmentation

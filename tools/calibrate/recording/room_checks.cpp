@@ -1,0 +1,123 @@
+#include "tools/calibrate/recording/room_checks.hpp"
+
+#include "site_node/capture/picture_file.hpp"
+#include "site_node/segmentation/steady_picture.hpp"
+
+#include <fmt/format.h>
+#include <opencv2/videoio.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace atrium::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostPictures = 24;
+constexpr std::size_t kFewestPictures = 8;  // in fewer, a person who walks hides the room too often
+// Of the videos of all cameras together. Two cores decode this in about 6 s.
+constexpr std::size_t kMaxDecodedPixels = 1'600'000'000;
+
+// Pictures spread over a video, or over `max_decoded` frames in its middle.
+std::vector<image::YuvImage> read_video(const fs::path& file, std::size_t max_decoded) try {
+    std::vector<image::YuvImage> pictures;
+    cv::VideoCapture video(file.string(), cv::CAP_FFMPEG);
+    if (!video.isOpened()) return pictures;
+    const double count = video.get(cv::CAP_PROP_FRAME_COUNT);
+    const bool is_known = std::isfinite(count) && count >= 1.0 && count < 1e9;
+    const std::size_t num_frames = is_known ? static_cast<std::size_t>(count) : max_decoded;
+    const std::size_t num_read = std::min(num_frames, max_decoded);
+    // an inexact seek does no harm: any pictures will do
+    if (num_read < num_frames)
+        video.set(cv::CAP_PROP_POS_FRAMES, static_cast<double>((num_frames - num_read) / 2));
+    cv::Mat bgr;
+    for (std::size_t i = 0; i < num_read && video.grab(); ++i) {
+        if (i * kMostPictures < pictures.size() * num_read) continue;
+        if (!video.retrieve(bgr) || bgr.type() != CV_8UC3) break;
+        image::yuv_from_bgr(bgr.data, bgr.cols, bgr.rows, bgr.step[0], pictures.emplace_back());
+    }
+    return pictures;
+} catch (const cv::Exception&) {
+    return {};
+}
+
+// Up to kMostPictures, of the size of the first one.
+std::vector<image::YuvImage> read_some(const Shots& shots, std::size_t max_decoded) {
+    std::vector<image::YuvImage> pictures;
+    if (shots.is_video) {
+        pictures = read_video(shots.path, max_decoded);
+    } else {
+        std::size_t i = 0;
+        std::size_t num_tried = 0;
+        for (const auto& [number, file] : shots.pictures) {
+            if (i++ * kMostPictures < num_tried * shots.pictures.size()) continue;
+            ++num_tried;
+            if (!capture::PictureFile::of(file).read(0, pictures.emplace_back()))
+                pictures.pop_back();
+        }
+    }
+    std::erase_if(
+        pictures,
+        [&,
+         width = pictures.empty() ? 0 : pictures[0].width(),
+         height = pictures.empty() ? 0 : pictures[0].height()](const image::YuvImage& picture) {
+            return picture.width() != width || picture.height() != height;
+        });
+    return pictures;
+}
+
+std::optional<segmentation::RoomGhost> find_ghost(const Shots& frames,
+                                                  const Shots& room,
+                                                  std::size_t max_decoded) {
+    const std::vector<image::YuvImage> take = read_some(frames, max_decoded);
+    if (take.size() < kFewestPictures) return std::nullopt;
+    segmentation::BackgroundLearner learner;
+    for (const image::YuvImage& picture : read_some(room, max_decoded))
+        if (!learner.add(picture)) return std::nullopt;
+    const auto learned = learner.finish();
+    if (!learned || learned->width != take[0].width() || learned->height != take[0].height())
+        return std::nullopt;
+    return segmentation::find_ghost(*learned, segmentation::find_steady_picture(take), {});
+}
+
+fs::path shown_file(const Shots& shots) {
+    return shots.pictures.size() == 1 ? shots.pictures.begin()->second : shots.path;
+}
+
+}  // namespace
+
+RoomDoubt look_for_people_in_rooms(const Material& material) {
+    if (!material.masks.empty()) return {};
+    std::string places;
+    std::size_t num_found = 0;
+    for (const auto& [camera, room] : material.backgrounds) {
+        const Look& look = material.looks.at(camera);
+        const std::size_t pixels = static_cast<std::size_t>(look.width) *
+                                   static_cast<std::size_t>(look.height) *
+                                   material.backgrounds.size();
+        const auto ghost = find_ghost(
+            material.frames.at(camera),
+            room,
+            std::max(kMaxDecodedPixels / std::max<std::size_t>(pixels, 1), kMostPictures));
+        if (!ghost) continue;
+        places += fmt::format("{}'{}' at ({}, {}) of {}",
+                              num_found == 0 ? "" : ", ",
+                              camera,
+                              ghost->x,
+                              ghost->y,
+                              shown_file(room).string());
+        ++num_found;
+    }
+    if (num_found == 0) return {};
+    return {fmt::format("background: the empty room seems to show a person, or a thing that has "
+                        "gone since: {}. People get holes and ghosts there. Film the empty room "
+                        "again without anybody, or let the site learn it from the take: site_node "
+                        "--segmentation.background_from people (docs/backgrounds.md)",
+                        places),
+            2 * num_found > material.frames.size()};
+}
+
+}  // namespace atrium::calibrate
