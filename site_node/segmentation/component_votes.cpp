@@ -77,11 +77,14 @@ void count_votes(const image::YuvView& picture,
     });
 }
 
-bool is_clear_ghost(const ComponentVotes& votes, const image::Mask& mask) {
+bool is_clear_ghost(const ComponentVotes& votes) {
     constexpr int kFewest = 40;
+    return votes.room >= kFewest && votes.room > 2 * votes.picture;
+}
+
+bool has_size_of_person(std::int32_t num_pixels, const image::Mask& mask) {
     constexpr double kMinSize = 0.003;  // of the picture
-    return votes.room >= kFewest && votes.room > 2 * votes.picture &&
-           votes.size > kMinSize * static_cast<double>(mask.data.size());
+    return num_pixels > kMinSize * static_cast<double>(mask.data.size());
 }
 
 image::Mask judge_components(const image::YuvView& picture,

@@ -32,10 +32,13 @@ void count_votes(const image::YuvView& picture,
                  const image::Mask& mask,
                  ComponentScratch& scratch);
 
-/// Whether a part of `mask` is a ghost as large as a person. A person votes nearly always for the
-/// picture, also before a patterned wall. Small parts and parts without a clear majority are things
-/// that were moved a little.
-bool is_clear_ghost(const ComponentVotes& votes, const image::Mask& mask);
+/// Whether nearly all votes are for the learned room. A person votes nearly always for the picture,
+/// also before a patterned wall. Parts without a clear majority are things that were moved a
+/// little.
+bool is_clear_ghost(const ComponentVotes& votes);
+
+/// Whether so many pixels of `mask` may be a person.
+bool has_size_of_person(std::int32_t num_pixels, const image::Mask& mask);
 
 /// What a 2x2 block of a segmented picture shows.
 enum class BlockState : std::uint8_t {

@@ -22,7 +22,7 @@ std::optional<RoomWatch::Ghost> RoomWatch::look(const image::YuvView& picture,
     std::optional<Ghost> sure;
     std::int32_t largest = 0;
     for (const ComponentVotes& component : scratch_.components) {
-        if (!is_clear_ghost(component, mask)) continue;
+        if (!is_clear_ghost(component) || !has_size_of_person(component.size, mask)) continue;
         const Ghost at{static_cast<int>(component.sum_x / component.size),
                        static_cast<int>(component.sum_y / component.size)};
         std::uint16_t& looks = history_[static_cast<std::size_t>(

@@ -65,6 +65,35 @@ std::optional<image::Mask> differing_both_ways(const BackgroundStatistics& room,
     return differs;
 }
 
+void add(ComponentVotes& sum, const ComponentVotes& part) {
+    sum.size += part.size;
+    sum.picture += part.picture;
+    sum.room += part.room;
+    sum.sum_x += part.sum_x;
+    sum.sum_y += part.sum_y;
+}
+
+// The largest part that is a ghost, or else all such parts together: somebody who stands before a
+// ghost in the take leaves only pieces of it. Things and cameras that were moved a little make
+// pieces, too, but as many with their edge in the take.
+std::optional<RoomGhost> choose_ghost(std::span<const ComponentVotes> parts,
+                                      const image::Mask& mask) {
+    ComponentVotes all;
+    ComponentVotes pieces;
+    ComponentVotes largest;
+    for (const ComponentVotes& part : parts) {
+        add(all, part);
+        if (!is_clear_ghost(part)) continue;
+        add(pieces, part);
+        if (part.size > largest.size) largest = part;
+    }
+    const ComponentVotes& ghost =
+        has_size_of_person(largest.size, mask) || !is_clear_ghost(all) ? largest : pieces;
+    if (!has_size_of_person(ghost.size, mask)) return std::nullopt;
+    return RoomGhost{static_cast<int>(ghost.sum_x / ghost.size),
+                     static_cast<int>(ghost.sum_y / ghost.size)};
+}
+
 }  // namespace
 
 SteadyPicture find_steady_picture(std::span<const image::YuvImage> pictures) {
@@ -89,15 +118,7 @@ std::optional<RoomGhost> find_ghost(const BackgroundStatistics& room,
     for (std::size_t i = 0; i < mask->data.size(); ++i) mask->data[i] &= take.is_steady.data[i];
     ComponentScratch scratch;
     count_votes(take.picture, room, *mask, scratch);
-    const ComponentVotes* largest = nullptr;
-    for (const ComponentVotes& component : scratch.components) {
-        if (is_clear_ghost(component, *mask) &&
-            (largest == nullptr || component.size > largest->size))
-            largest = &component;
-    }
-    if (largest == nullptr) return std::nullopt;
-    return RoomGhost{static_cast<int>(largest->sum_x / largest->size),
-                     static_cast<int>(largest->sum_y / largest->size)};
+    return choose_ghost(scratch.components, *mask);
 }
 
 }  // namespace atrium::segmentation

@@ -26,9 +26,9 @@ struct RoomGhost {
 
 /// Looks for a person, or a thing that has gone since, in pictures of the empty room: a part that
 /// differs from what a take shows most of the time, and whose outline has its edge in the room
-/// instead of the take (outline_votes.hpp). Returns the largest one. Somebody who stands still in
-/// the take has the edge there and is no ghost. Shadows and gradual changes of the light, in either
-/// direction, are none.
+/// instead of the take (outline_votes.hpp). Returns the largest one, or the centre of its pieces.
+/// Somebody who stands still in the take has the edge there and is no ghost. Shadows and gradual
+/// changes of the light, in either direction, are none.
 ///
 /// Finds nothing if more than half of the picture differs: the view or the light is another one.
 /// `room` and `take` must have one size.
