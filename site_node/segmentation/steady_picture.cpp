@@ -10,23 +10,57 @@
 namespace atrium::segmentation {
 namespace {
 
-// Writes the median of the planes; returns 255 where most of them show about that value.
+constexpr int kTolerance = 10;  // [grey levels]: noise and flicker
+
+// The median of a pixel's values, and whether most of them are about that.
+struct Median {
+    std::uint8_t value;
+    bool is_steady;
+};
+Median median_of(std::vector<std::uint8_t>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    const std::uint8_t median = *middle;
+    const auto num_alike = std::ranges::count_if(
+        values, [&](std::uint8_t value) { return std::abs(value - median) <= kTolerance; });
+    return {median, 5 * num_alike >= 3 * std::ssize(values)};
+}
+
+// Writes the medians of the planes, or the means where all values are alike, which is nearly
+// everywhere and cheap. Returns 255 where the pictures are steady.
 image::Mask find_medians(std::span<const image::YuvImage> pictures,
                          image::Plane image::YuvImage::*plane,
                          image::Plane& median) {
-    constexpr int kTolerance = 10;  // [grey levels]: noise and flicker
     const image::Plane& first = pictures.front().*plane;
+    const auto width = static_cast<std::size_t>(first.width);
     median = image::Plane(first.width, first.height);
-    image::Mask is_steady(first.width, first.height);
+    image::Mask is_steady(first.width, first.height, 255);
     std::vector<std::uint8_t> values(pictures.size());
-    for (std::size_t i = 0; i < median.data.size(); ++i) {
-        for (std::size_t k = 0; k < values.size(); ++k) values[k] = (pictures[k].*plane).data[i];
-        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-        std::nth_element(values.begin(), middle, values.end());
-        median.data[i] = *middle;
-        const auto num_alike = std::ranges::count_if(
-            values, [&](std::uint8_t value) { return std::abs(value - *middle) <= kTolerance; });
-        is_steady.data[i] = 5 * num_alike >= 3 * std::ssize(values) ? 255 : 0;
+    std::vector<std::uint8_t> low(width);
+    std::vector<std::uint8_t> high(width);
+    std::vector<std::uint32_t> sum(width);
+    for (int y = 0; y < first.height; ++y) {
+        std::copy_n(first.row(y), width, low.begin());
+        std::copy_n(first.row(y), width, high.begin());
+        std::ranges::fill(sum, 0);
+        for (const image::YuvImage& picture : pictures) {
+            const std::uint8_t* const row = (picture.*plane).row(y);
+            for (std::size_t x = 0; x < width; ++x) {
+                low[x] = std::min(low[x], row[x]);
+                high[x] = std::max(high[x], row[x]);
+                sum[x] += row[x];
+            }
+        }
+        for (std::size_t x = 0; x < width; ++x) {
+            median.row(y)[x] =
+                static_cast<std::uint8_t>((sum[x] + pictures.size() / 2) / pictures.size());
+            if (high[x] - low[x] <= kTolerance) continue;
+            for (std::size_t k = 0; k < values.size(); ++k)
+                values[k] = (pictures[k].*plane).row(y)[x];
+            const Median found = median_of(values);
+            median.row(y)[x] = found.value;
+            is_steady.row(y)[x] = found.is_steady ? 255 : 0;
+        }
     }
     return is_steady;
 }

@@ -11,7 +11,7 @@ namespace atrium::segmentation {
 
 /// What most pictures of a fixed camera agree on, pixel by pixel.
 struct SteadyPicture {
-    image::YuvImage picture;  // medians
+    image::YuvImage picture;  // medians, or means where all pictures are alike
     image::Mask is_steady;    // 255 where at least 60 % of the pictures show about the median
 };
 
