@@ -4,6 +4,7 @@
 #include "site_node/segmentation/segmentation.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <vector>
 
@@ -107,6 +108,12 @@ void add(ComponentVotes& sum, const ComponentVotes& part) {
     sum.sum_y += part.sum_y;
 }
 
+// Other light or colours also make parts, but with edges along little of their outlines: here along
+// half of the shortest outline possible, which has 4 sqrt(size) pixels.
+bool is_ghost_all_around(const ComponentVotes& part) {
+    return is_clear_ghost(part) && part.room >= 2.0 * std::sqrt(part.size);
+}
+
 // The largest part that is a ghost, or else all such parts together: somebody who stands before a
 // ghost in the take leaves only pieces of it. Things and cameras that were moved a little make
 // pieces, too, but as many with their edge in the take.
@@ -117,7 +124,7 @@ std::optional<RoomGhost> choose_ghost(std::span<const ComponentVotes> parts,
     ComponentVotes largest;
     for (const ComponentVotes& part : parts) {
         add(all, part);
-        if (!is_clear_ghost(part)) continue;
+        if (!is_ghost_all_around(part)) continue;
         add(pieces, part);
         if (part.size > largest.size) largest = part;
     }

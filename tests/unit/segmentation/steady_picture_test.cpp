@@ -160,6 +160,22 @@ TEST_F(SteadyPictureTest, IsQuietAboutOtherLight) {
     EXPECT_TRUE(quiet([](image::YuvImage& picture) { test::scale_light(picture, kSpot, 0.7); }));
 }
 
+// As after another white balance: a colour cast that fades away, except at one edge.
+TEST_F(SteadyPictureTest, IsQuietAboutOtherColours) {
+    const auto room = plate([](image::YuvImage& picture) {
+        constexpr int kEdge = 60;  // [half pixels]
+        for (int y = 0; y < kHeight / 2; ++y) {
+            for (int x = kEdge; x < kWidth / 2; ++x) {
+                const double across = (x - kEdge) / 25.0;
+                const double down = y / 40.0;
+                picture.v.row(y)[x] = static_cast<std::uint8_t>(std::lround(
+                    picture.v.at(x, y) + 50.0 * std::exp(-across * across - down * down)));
+            }
+        }
+    });
+    EXPECT_FALSE(find_ghost(room, take(walk), {}));
+}
+
 TEST_F(SteadyPictureTest, IsQuietAboutAShadowThatCame) {
     const auto room = plate([](image::YuvImage&) {});
     EXPECT_FALSE(find_ghost(
