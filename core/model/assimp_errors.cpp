@@ -93,7 +93,8 @@ std::string why_unreadable(const std::filesystem::path& file, const Assimp::Impo
     if (says("mNumMeshes is 0") || says("contains no faces")) return "has no triangles";
     if (says(" is a LINE but") || says(" is a POINT but"))
         return "is damaged or cut off: one of its faces has fewer than three corners";
-    if (says("No suitable reader found") || says("STL storage representation"))
+    if (says("No suitable reader found") || says("STL storage representation") ||
+        says("unexpected end of file"))
         return fmt::format("is damaged, or no {} file", ending);
     return "cannot be read: " + said;
 }
