@@ -60,13 +60,12 @@ std::vector<image::YuvImage> read_some(const Shots& shots, std::size_t max_decod
                 pictures.pop_back();
         }
     }
-    std::erase_if(
-        pictures,
-        [&,
-         width = pictures.empty() ? 0 : pictures[0].width(),
-         height = pictures.empty() ? 0 : pictures[0].height()](const image::YuvImage& picture) {
-            return picture.width() != width || picture.height() != height;
-        });
+    if (pictures.empty()) return pictures;
+    const int width = pictures[0].width();
+    const int height = pictures[0].height();
+    std::erase_if(pictures, [&](const image::YuvImage& picture) {
+        return picture.width() != width || picture.height() != height;
+    });
     return pictures;
 }
 

@@ -15,16 +15,20 @@ btScalar turn_of(btScalar ax, btScalar ay, btScalar bx, btScalar by) { return ax
 
 }  // namespace
 
-void Supports::clear() { standing_.clear(); }
+void Supports::clear() {
+    standing_.clear();
+    areas_.clear();
+}
 
 void Supports::find(btDispatcher& dispatcher, const btVector3& gravity) {
     clear();
     const btScalar strength = gravity.length();
     up_ = strength > 0 ? btVector3(-gravity / strength) : btVector3(0, 0, 0);
+    for (btVector3& axis : along_) axis.setZero();
     if (strength > 0) btPlaneSpace1(up_, along_[0], along_[1]);
     read_contacts(dispatcher);
     carry_upwards();
-    for (Standing& entry : standing_) make_convex(entry.area);
+    find_areas();
 }
 
 void Supports::read_contacts(btDispatcher& dispatcher) {
@@ -59,10 +63,24 @@ void Supports::carry_upwards() {
             upper.is_carried = true;
         }
     }
-    for (const Touch& touch : touches_) {
+    std::erase_if(touches_, [this](const Touch& touch) {
         const Standing* lower = find_entry(*touch.lower);
-        if (touch.lower->getInvMass() == 0 || (lower != nullptr && lower->is_carried))
-            entry_of(*touch.upper).area.push_back(touch.place);
+        return touch.lower->getInvMass() > 0 && (lower == nullptr || !lower->is_carried);
+    });
+}
+
+void Supports::find_areas() {
+    std::sort(touches_.begin(), touches_.end(), [](const Touch& a, const Touch& b) {
+        return std::less<const btRigidBody*>()(a.upper, b.upper);
+    });
+    for (std::size_t i = 0; i < touches_.size();) {
+        Standing& entry = entry_of(*touches_[i].upper);
+        places_.clear();
+        for (; i < touches_.size() && touches_[i].upper == entry.body; ++i)
+            places_.push_back(touches_[i].place);
+        entry.first = areas_.size();
+        add_convex();
+        entry.num = areas_.size() - entry.first;
     }
 }
 
@@ -82,11 +100,11 @@ bool Supports::carries(const btRigidBody& body,
                        const btVector3& normal) const {
     if (normal.dot(up_) < kLeastUp) return false;
     const Standing* entry = find_entry(body);
-    if (entry == nullptr || entry->area.size() < 3) return false;
+    if (entry == nullptr || entry->num < 3) return false;
     const Place at = place_of(point);
-    for (std::size_t i = 0; i < entry->area.size(); ++i) {
-        const Place& from = entry->area[i];
-        const Place& to = entry->area[(i + 1) % entry->area.size()];
+    for (std::size_t i = 0; i < entry->num; ++i) {
+        const Place& from = areas_[entry->first + i];
+        const Place& to = areas_[entry->first + (i + 1) % entry->num];
         if (turn_of(to.x - from.x, to.y - from.y, at.x - from.x, at.y - from.y) < 0) return false;
     }
     return true;
@@ -98,7 +116,7 @@ Supports::Standing& Supports::entry_of(const btRigidBody& body) {
             return std::less<const btRigidBody*>()(entry.body, wanted);
         });
     if (at != standing_.end() && at->body == &body) return *at;
-    return *standing_.insert(at, Standing{.body = &body, .area = {}});
+    return *standing_.insert(at, Standing{.body = &body});
 }
 
 const Supports::Standing* Supports::find_entry(const btRigidBody& body) const {
@@ -113,29 +131,27 @@ Supports::Place Supports::place_of(const btVector3& point) const {
     return {along_[0].dot(point), along_[1].dot(point)};
 }
 
-// Andrew's monotone chain.
-void Supports::make_convex(std::vector<Place>& area) {
-    if (area.size() < 3) return;
-    std::sort(area.begin(), area.end(), [](const Place& a, const Place& b) {
+// Adds the convex hull of `places_` to `areas_`: Andrew's monotone chain.
+void Supports::add_convex() {
+    const std::size_t first = areas_.size();
+    std::sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
         return a.x != b.x ? a.x < b.x : a.y < b.y;
     });
-    std::vector<Place> hull;
     const auto add = [&](const Place& place, std::size_t least) {
-        while (hull.size() > least) {
-            const Place& last = hull.back();
-            const Place& before = hull[hull.size() - 2];
+        while (areas_.size() > least) {
+            const Place& last = areas_.back();
+            const Place& before = areas_[areas_.size() - 2];
             if (turn_of(last.x - before.x, last.y - before.y, place.x - last.x, place.y - last.y) >
                 0)
                 break;
-            hull.pop_back();
+            areas_.pop_back();
         }
-        hull.push_back(place);
+        areas_.push_back(place);
     };
-    for (const Place& place : area) add(place, 1);
-    const std::size_t num_lower = hull.size();
-    for (std::size_t i = area.size() - 1; i-- > 0;) add(area[i], num_lower);
-    hull.pop_back();
-    area = std::move(hull);
+    for (const Place& place : places_) add(place, first + 1);
+    const std::size_t num_lower = areas_.size();
+    for (std::size_t i = places_.size() - 1; i-- > 0;) add(places_[i], num_lower);
+    if (areas_.size() > first + 1) areas_.pop_back();  // the first one again
 }
 
 }  // namespace atrium::physics

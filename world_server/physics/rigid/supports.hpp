@@ -2,6 +2,7 @@
 
 #include <LinearMath/btVector3.h>
 
+#include <cstddef>
 #include <vector>
 
 class btDispatcher;
@@ -32,7 +33,9 @@ private:
         const btRigidBody* body = nullptr;
         bool touches_fixed = false;
         bool is_carried = false;
-        std::vector<Place> area;  // where it is carried; after `find`: convex, counterclockwise
+        // where it is carried: a part of `areas_`, convex and counterclockwise
+        std::size_t first = 0;
+        std::size_t num = 0;
     };
     // One contact point between two bodies of which the upper one moves.
     struct Touch {
@@ -45,12 +48,15 @@ private:
     Place place_of(const btVector3& point) const;
     void read_contacts(btDispatcher& dispatcher);
     void carry_upwards();
-    static void make_convex(std::vector<Place>& area);
+    void find_areas();
+    void add_convex();
 
     btVector3 up_;  // unit length; zero: no gravity
     btVector3 along_[2];
     std::vector<Standing> standing_;  // in ascending order of address
-    std::vector<Touch> touches_;      // scratch
+    std::vector<Place> areas_;
+    std::vector<Touch> touches_;  // scratch
+    std::vector<Place> places_;   // scratch
 };
 
 }  // namespace atrium::physics
