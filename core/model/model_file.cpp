@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdio>
 #include <fstream>
 #include <string_view>
 #include <system_error>
@@ -72,7 +71,6 @@ public:
         if (num_triangles_ == 0) return invalid("has no triangles");
         return std::move(parts_);
     }
-    std::size_t num_triangles() const { return num_triangles_; }
 
 private:
     tl::unexpected<Error> invalid(const std::string& what) const {
@@ -152,16 +150,13 @@ private:
     std::size_t num_triangles_ = 0;
 };
 
-// 0: none is stated.
-std::size_t num_faces_in_header(const std::filesystem::path& ply) {
+// Assimp never ends with a header that does.
+bool has_whole_header(const std::filesystem::path& ply) {
     std::ifstream stream(ply, std::ios::binary);
     std::string line;
-    for (int i = 0; i < kMostHeaderLines && std::getline(stream, line); ++i) {
-        if (line.starts_with("end_header")) break;
-        std::size_t num = 0;
-        if (std::sscanf(line.c_str(), "element face %zu", &num) == 1) return num;
-    }
-    return 0;
+    for (int i = 0; i < kMostHeaderLines && std::getline(stream, line); ++i)
+        if (line.starts_with("end_header") && !stream.eof()) return true;
+    return false;
 }
 
 Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& limits) {
@@ -181,6 +176,9 @@ Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& 
             ErrorKind::kInvalidData,
             fmt::format("has {} bytes, at most {} are allowed", num_bytes, limits.max_file_bytes));
     }
+    if (num_bytes > 0 && ending_of(file) == ".ply" && !has_whole_header(file))
+        return wrong(ErrorKind::kInvalidData,
+                     "is cut off, or no .ply file: its header does not end; copy it again");
     return {};
 }
 
@@ -243,19 +241,7 @@ Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
     if (ending == ".gltf" || ending == ".glb")
         model_from_file << 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1;
     model_from_file.topRows<3>() *= scale;
-    PartCollector collector(*scene, file, limits);
-    auto parts = collector.take(model_from_file);
-    // Assimp reads what is there
-    const std::size_t num_promised = ending == ".ply" ? num_faces_in_header(file) : 0;
-    if (parts && collector.num_triangles() < num_promised) {
-        return make_error(
-            ErrorKind::kInvalidData,
-            fmt::format("{}: is cut off or damaged: has {} of {} faces; copy it again",
-                        file.string(),
-                        collector.num_triangles(),
-                        num_promised));
-    }
-    return parts;
+    return PartCollector(*scene, file, limits).take(model_from_file);
 }
 
 }  // namespace atrium::model

@@ -46,13 +46,12 @@ protected:
 
 TEST_F(DamagedModels, Ply) {
     EXPECT_EQ(error_of("good.ply", ply("3 1 2 4\n3 2 3 4\n3 3 0 4\n")), "");
-    EXPECT_THAT(error_of("cut.ply", ply("3 1 2")), HasSubstr("cut.ply: "));
-    EXPECT_THAT(error_of("short.ply", ply("3 1 2 4\n")), HasSubstr("cut off"));
-    // an assertion of Assimp
-    EXPECT_THAT(error_of("nothing.ply", ply("0\n0\n0\n")), HasSubstr("nothing.ply: "));
-    const std::string whole = ply("3 1 2 4\n3 2 3 4\n3 3 0 4\n");
-    for (std::size_t i = 1; i + 2 < whole.size(); ++i)
-        EXPECT_THAT(error_of("part.ply", whole.substr(0, i)), HasSubstr("part.ply: ")) << i;
+    // Assimp would never end
+    const std::string whole = ply("");
+    const std::size_t header = whole.find("end_header") + 10;
+    for (std::size_t i = 1; i <= header; ++i)
+        EXPECT_THAT(error_of("part.ply", whole.substr(0, i)), HasSubstr("its header does not end"))
+            << i;
 }
 
 TEST_F(DamagedModels, Obj) {
