@@ -213,7 +213,10 @@ TEST_F(WorldDoubts, NameLimitsOfAHingeInRadians) {
 
 TEST_F(WorldDoubts, SizesOfScenery) {
     const auto rock = [](const std::string& rest) {
-        return std::string("[[scenery]]\nname = \"rock\"\nmodel = \"rock.obj\"\n") + rest;
+        return std::string(
+                   "[[scenery]]\nname = \"rock\"\nmodel = \"rock.obj\"\n"
+                   "texture = \"own.png\"\n") +
+               rest;
     };
     // 0.9 units; the world is 40 m wide
     EXPECT_THAT(doubts(kFloor + rock("solid = true\n")), testing::IsEmpty());
