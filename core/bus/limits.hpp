@@ -7,7 +7,8 @@
 /// sequences are repeated in idl/.
 namespace atrium::bus {
 
-inline constexpr std::uint32_t kMaxDomain = 230;  // DDS has no UDP ports for a higher one
+// Cyclone uses the ports from 7400 + 250 * domain; above this domain they exceed 65535.
+inline constexpr std::uint32_t kMaxDomain = 230;
 inline constexpr std::size_t kMaxNameLength = 63;
 inline constexpr std::size_t kMaxCamerasPerSite = 64;
 inline constexpr std::size_t kMaxCodedBytes = 8U << 20U;  // 30 times the largest expected sample

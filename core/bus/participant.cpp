@@ -15,8 +15,6 @@ namespace atrium::bus {
 
 namespace {
 
-// Cyclone uses the ports from 7400 + 250 * domain; above this domain they exceed 65535.
-
 dds_duration_t to_dds(std::chrono::nanoseconds duration) {
     return duration == kForever ? DDS_INFINITY : duration.count();
 }

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::array<std::string_view, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
 constexpr int kMaxDepth = 100;  // nesting of nodes
-constexpr int kMostHeaderLines = 1000;
+constexpr std::size_t kMostHeaderBytes = 65536;
 
 Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
     Eigen::Matrix4d transform;
@@ -150,13 +150,17 @@ private:
     std::size_t num_triangles_ = 0;
 };
 
-// Assimp never ends with a header that does.
+// Assimp reads a header without an end for ever.
 bool has_whole_header(const std::filesystem::path& ply) {
+    constexpr std::string_view kEnd = "end_header";
+    std::string head(kMostHeaderBytes, '\0');
     std::ifstream stream(ply, std::ios::binary);
-    std::string line;
-    for (int i = 0; i < kMostHeaderLines && std::getline(stream, line); ++i)
-        if (line.starts_with("end_header") && !stream.eof()) return true;
-    return false;
+    stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<std::size_t>(stream.gcount()));
+    const std::size_t at = head.find(kEnd);
+    if (at == std::string::npos || at + kEnd.size() >= head.size()) return false;
+    const char next = head[at + kEnd.size()];
+    return next == '\n' || next == '\r';
 }
 
 Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& limits) {
