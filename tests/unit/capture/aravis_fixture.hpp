@@ -174,17 +174,21 @@ protected:
         const std::lock_guard lock(events_mutex_);
         events_.clear();
     }
-    bool wait_for_event(const std::string& part) {
+    bool wait_for_event(const std::string& part) { return wait_for_events(part, 1); }
+
+    bool wait_for_events(const std::string& part, std::size_t count) {
         std::unique_lock lock(events_mutex_);
-        return events_changed_.wait_for(lock, kLongEnough, [&] {
-            return std::any_of(events_.begin(), events_.end(), [&](const std::string& line) {
-                return line.find(part) != std::string::npos;
-            });
-        });
+        return events_changed_.wait_for(
+            lock, kLongEnough, [&] { return count_events(part) >= count; });
     }
 
     std::size_t num_events(const std::string& part) {
         const std::lock_guard lock(events_mutex_);
+        return count_events(part);
+    }
+
+    /// Needs `events_mutex_` held.
+    std::size_t count_events(const std::string& part) const {
         return static_cast<std::size_t>(
             std::count_if(events_.begin(), events_.end(), [&](const std::string& line) {
                 return line.find(part) != std::string::npos;

@@ -117,6 +117,8 @@ TEST_F(AravisSourceTest, ReconnectsACameraThatWasSwitchedOffAndOn) {
     fakes_[0].reset();
     // the new camera answers, but does not know the connection
     fakes_[0] = std::make_unique<FakeGigeCamera>(fake_options(0));
+    // pictures of the former connection can still be on their way
+    ASSERT_TRUE(wait_for_event("camera 'cam0' is back"));
     ASSERT_TRUE(player.wait_for_pictures(0, 3));
     const auto num_reconnects = (*source)->camera_counters()[0].num_reconnects;
     EXPECT_GE(num_reconnects, 1u);
@@ -135,8 +137,10 @@ TEST_F(AravisSourceTest, NewConnectionDeliversNoPictureOfAnotherCamera) {
     Player player(**source);
     for (int restart = 0; restart < 5; ++restart) {
         ASSERT_TRUE(player.wait_for_pictures(1, 3));
+        const std::size_t num_returns = num_events("camera 'cam1' is back");
         fakes_[1].reset();
         fakes_[1] = std::make_unique<FakeGigeCamera>(fake_options(1));
+        ASSERT_TRUE(wait_for_events("camera 'cam1' is back", num_returns + 1));
     }
     ASSERT_TRUE(player.wait_for_pictures(1, 3));
     for (const auto& seen : player.seen())
