@@ -32,7 +32,7 @@ set(ATRIUM_TEST_PCH_HEADERS <gtest/gtest.h> <gmock/gmock.h>)
 # For what runs at the start or a few times a second (COLD), and for the sources of tests: they compile faster.
 set(ATRIUM_COLD_OPTIMISATION $<$<CONFIG:RelWithDebInfo>:-O1> $<$<CONFIG:Sanitize>:-Og>)
 
-# Compiling the sources of a library or a test together, eight at a time, makes a build from nothing faster and a rebuild after one
+# Compiling the sources of a library or a test together, up to 24 at a time, makes a build from nothing faster and a rebuild after one
 # change slower: turn it off while you work on one library. Sources include what they use, and their file-local names differ within
 # a target, so both ways build.
 option(ATRIUM_UNITY "Compile the sources of each library and each test together" ON)
@@ -89,7 +89,7 @@ function(atrium_library name)
     cmake_parse_arguments(ARG "COLD" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
     add_library(${name} STATIC ${ARG_SOURCES})
     target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ${ATRIUM_UNITY})
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ${ATRIUM_UNITY} UNITY_BUILD_BATCH_SIZE 24)
     _atrium_options(${name})
     if(ARG_COLD)
         _atrium_pch(${name} cold)
@@ -124,7 +124,7 @@ function(atrium_test name)
     add_executable(${name} ${ARG_SOURCES})
     target_link_libraries(${name} PRIVATE atrium_skips ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
     _atrium_options(${name})
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ${ATRIUM_UNITY})
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ${ATRIUM_UNITY} UNITY_BUILD_BATCH_SIZE 24)
     _atrium_pch(${name} test)
     add_test(NAME ${name} COMMAND ${name})
     if(NOT ARG_TIMEOUT)

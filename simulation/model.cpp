@@ -13,7 +13,7 @@
 namespace atrium::simulation {
 namespace {
 
-constexpr int kNumSamples = 24;  // of the animation, to find the volume that it covers
+constexpr int kNumLoopSamples = 24;  // of the animation, to find the volume that it covers
 
 geometry::Aabb box_of(const std::vector<Eigen::Vector3f>& positions, const Eigen::Matrix3d& turn) {
     geometry::Aabb box;
@@ -89,8 +89,8 @@ Expected<void> Model::Impl::stand(const RoomOptions& options) {
     PosedSkin skin;
     geometry::Aabb all;
     double farthest_moved = 0.0;
-    for (int i = 0; i < kNumSamples; ++i) {
-        pose(loop_s * i / kNumSamples, scratch, skin);
+    for (int i = 0; i < kNumLoopSamples; ++i) {
+        pose(loop_s * i / kNumLoopSamples, scratch, skin);
         if (i == 0) first = skin;
         farthest_moved = std::max(farthest_moved, farthest(skin.positions, first.positions));
         const geometry::Aabb box = box_of(skin.positions, turn);

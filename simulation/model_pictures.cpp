@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxSidePx = 4096;
+constexpr int kMaxTexturePx = 4096;
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{256} << 20U;
 constexpr std::size_t kMaxCompanions = 4096;
 constexpr std::array kPictureSuffixes{
@@ -76,8 +76,8 @@ ModelTexture to_texture(cv::Mat picture) {
     ModelTexture texture;
     if (picture.empty()) return texture;
     const int longest = std::max(picture.cols, picture.rows);
-    if (longest > kMaxSidePx) {
-        const double share = static_cast<double>(kMaxSidePx) / longest;
+    if (longest > kMaxTexturePx) {
+        const double share = static_cast<double>(kMaxTexturePx) / longest;
         cv::resize(picture, picture, {}, share, share, cv::INTER_AREA);
     }
     constexpr std::array kToRgba{0,

@@ -15,7 +15,7 @@
 namespace atrium::simulation {
 namespace {
 
-constexpr int kNumSamples = 4;
+constexpr int kNumColourSamples = 4;
 
 void set_camera(const gl::ShaderProgram& program, const geometry::CalibratedCamera& camera) {
     const geometry::PinholeCamera& c = camera.intrinsics;
@@ -112,7 +112,8 @@ struct PersonPainter::Impl {
         const auto attach = [&](unsigned& buffer, GLenum format, GLenum attachment) {
             glGenRenderbuffers(1, &buffer);
             glBindRenderbuffer(GL_RENDERBUFFER, buffer);
-            glRenderbufferStorageMultisample(GL_RENDERBUFFER, kNumSamples, format, width, height);
+            glRenderbufferStorageMultisample(
+                GL_RENDERBUFFER, kNumColourSamples, format, width, height);
             glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer);
         };
         attach(sampled_colour, GL_RGBA8, GL_COLOR_ATTACHMENT0);

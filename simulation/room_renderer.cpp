@@ -15,13 +15,13 @@ namespace atrium::simulation {
 namespace {
 
 Expected<void> check_cameras(const std::vector<geometry::CalibratedCamera>& cameras) {
-    constexpr int kMaxSidePx = 8192;
+    constexpr int kMaxPictureSidePx = 8192;
     if (cameras.empty())
         return make_error(ErrorKind::kConfiguration, "simulation: the rig has no camera");
     for (const geometry::CalibratedCamera& camera : cameras) {
         const geometry::PinholeCamera& c = camera.intrinsics;
-        if (c.width < 2 || c.height < 2 || c.width > kMaxSidePx || c.height > kMaxSidePx ||
-            c.width % 2 != 0 || c.height % 2 != 0) {
+        if (c.width < 2 || c.height < 2 || c.width > kMaxPictureSidePx ||
+            c.height > kMaxPictureSidePx || c.width % 2 != 0 || c.height % 2 != 0) {
             return make_error(ErrorKind::kConfiguration,
                               "simulation: camera " + camera.name +
                                   ": width and height must be even, 2 to 8192 px");

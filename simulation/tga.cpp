@@ -8,10 +8,10 @@ namespace atrium::simulation {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 18;
-constexpr int kMaxSidePx = 16384;
+constexpr int kMaxTgaSidePx = 16384;
 
 // Fields of the header, Truevision TGA File Format Specification 2.0.
-struct Header {
+struct TgaHeader {
     bool is_grey = false;
     bool is_run_length = false;
     int width = 0;
@@ -21,11 +21,11 @@ struct Header {
     std::size_t first_pixel = 0;
 };
 
-std::optional<Header> read_header(std::span<const std::uint8_t> bytes) {
+std::optional<TgaHeader> read_header(std::span<const std::uint8_t> bytes) {
     if (bytes.size() < kHeaderBytes) return std::nullopt;
     const int type = bytes[2];
     if (bytes[1] != 0 || (type != 2 && type != 3 && type != 10 && type != 11)) return std::nullopt;
-    Header header;
+    TgaHeader header;
     header.is_grey = type == 3 || type == 11;
     header.is_run_length = type >= 10;
     header.width = bytes[12] | bytes[13] << 8;
@@ -36,13 +36,13 @@ std::optional<Header> read_header(std::span<const std::uint8_t> bytes) {
     const bool has_known_pixels =
         header.is_grey ? bytes[16] == 8 : bytes[16] == 24 || bytes[16] == 32;
     const bool has_known_size = header.width > 0 && header.height > 0 &&
-                                header.width <= kMaxSidePx && header.height <= kMaxSidePx;
+                                header.width <= kMaxTgaSidePx && header.height <= kMaxTgaSidePx;
     if (!has_known_pixels || !has_known_size || header.first_pixel > bytes.size())
         return std::nullopt;
     return header;
 }
 
-std::array<std::uint8_t, 4> pixel(const Header& header, const std::uint8_t* bytes) {
+std::array<std::uint8_t, 4> pixel(const TgaHeader& header, const std::uint8_t* bytes) {
     if (header.is_grey) return {bytes[0], bytes[0], bytes[0], 255};
     return {bytes[0],
             bytes[1],

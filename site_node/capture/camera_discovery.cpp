@@ -79,11 +79,11 @@ std::optional<FoundCamera> ask_gige_camera(const std::string& address,
         send(handle.get(), kDiscoveryCommand.data(), kDiscoveryCommand.size(), 0) < 0) {
         return std::nullopt;
     }
-    using Clock = std::chrono::steady_clock;
-    const auto end = Clock::now() + timeout;
+    const auto end = std::chrono::steady_clock::now() + timeout;
     std::array<std::uint8_t, 1024> answer{};
     for (auto left = timeout; left.count() > 0;
-         left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now())) {
+         left = std::chrono::duration_cast<std::chrono::milliseconds>(
+             end - std::chrono::steady_clock::now())) {
         pollfd waiting{handle.get(), POLLIN, 0};
         if (poll(&waiting, 1, static_cast<int>(left.count())) <= 0) continue;
         const ssize_t num_bytes = recv(handle.get(), answer.data(), answer.size(), MSG_DONTWAIT);

@@ -14,7 +14,7 @@
 namespace atrium::calibrate {
 namespace {
 
-using Cameras = std::vector<geometry::CalibratedCamera>;
+using CameraList = std::vector<geometry::CalibratedCamera>;
 
 // Heights [m] above the floor of what cameras look at, if the file's floor is right.
 constexpr double kLowestAim_m = 0.1;
@@ -76,7 +76,7 @@ private:
 
     const ForeignRig& foreign_;
     const Said& said_;
-    Cameras cameras_;
+    CameraList cameras_;
     std::vector<ForeignPose> poses_;
     bool is_frame_of_camera_ = false;  // of one that stands at the origin of the file
     bool is_turned_ = false;           // into a frame that is not the file's

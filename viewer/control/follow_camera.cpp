@@ -11,8 +11,8 @@ namespace atrium::viewer {
 namespace {
 
 constexpr float kHeadM = 0.25F;
-constexpr float kHeadWidthM = 0.4F;  // what is wider has an arm beside it
-constexpr double kSoftS = 0.12;      // smooths the flicker of a hull's top
+constexpr float kHeadWidthM = 0.4F;      // what is wider has an arm beside it
+constexpr double kTopSmoothingS = 0.12;  // smooths the flicker of a hull's top
 
 // From those eyes to the eyes of the nearest other person. Empty: there is no other.
 std::optional<Eigen::Vector3d> way_to_nearest(const std::string& from_name,
@@ -165,7 +165,7 @@ renderer::ViewCamera FollowCamera::update(renderer::ViewCamera camera,
         camera.target_m = wanted + ahead.normalized();
     } else {
         if (!at_) at_ = camera.target_m;
-        const double share = 1.0 - std::exp(-std::max(passed_s, 0.0) / kSoftS);
+        const double share = 1.0 - std::exp(-std::max(passed_s, 0.0) / kTopSmoothingS);
         const Eigen::Vector3d from = is_inside_ ? camera.position_m : *at_;
         const Eigen::Vector3d shift = share * (wanted - from);
         camera.position_m += shift;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kMaxNewTags = 4;  // per picture: rendering a text takes some tenths of a millisecond
 constexpr double kAboveHeadM = 0.06;
-constexpr double kSoftS = 0.1;
+constexpr double kTagSmoothingS = 0.1;
 constexpr double kJumpM = 0.5;  // a head that is farther away jumped
 constexpr double kFadesFromM = 8.0;
 constexpr double kGoneAtM = 20.0;
@@ -24,7 +24,7 @@ std::vector<renderer::Label> NameTags::update(const std::map<std::string, Person
                                               const Eigen::Vector3d& eye_world,
                                               Clock::time_point now) {
     const double passed_s = std::chrono::duration<double>(now - time_).count();
-    const double share = 1.0 - std::exp(-std::max(passed_s, 0.0) / kSoftS);
+    const double share = 1.0 - std::exp(-std::max(passed_s, 0.0) / kTagSmoothingS);
     time_ = now;
     std::erase_if(tags_, [&](const auto& tag) { return !people.contains(tag.first); });
     std::vector<renderer::Label> labels;

@@ -24,14 +24,14 @@ bus::SiteMesh mesh_message(const geometry::TriangleMesh& mesh, std::int64_t capt
 const geometry::RigidTransform kWorldFromAlice{
     Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ())), {2, 0, 0}};
 
-geometry::TriangleMesh hand_at(double x) {
+geometry::TriangleMesh hand_mesh_at(double x) {
     return physics_test::make_box_mesh(
         {0.1, 0.1, 0.1}, {Eigen::Quaterniond::Identity(), {x, 0, 1}}, 3);
 }
 
 TEST(SiteReader, TransformsMeshesByThePlaceOfTheSite) {
     SiteReader reader(kWorldFromAlice, {});
-    const auto shape = reader.read(mesh_message(hand_at(0.5), 1000));
+    const auto shape = reader.read(mesh_message(hand_mesh_at(0.5), 1000));
     ASSERT_TRUE(shape && *shape);
     geometry::Aabb bounds;
     for (const auto& surfel : *(*shape)->surfels) bounds.add(surfel.position.cast<double>());
@@ -41,24 +41,24 @@ TEST(SiteReader, TransformsMeshesByThePlaceOfTheSite) {
 
 TEST(SiteReader, MeasuresVelocityInTheWorld) {
     SiteReader reader(kWorldFromAlice, {});
-    ASSERT_TRUE(reader.read(mesh_message(hand_at(0.50), 1000)));
-    const auto shape = reader.read(mesh_message(hand_at(0.55), 1050));
+    ASSERT_TRUE(reader.read(mesh_message(hand_mesh_at(0.50), 1000)));
+    const auto shape = reader.read(mesh_message(hand_mesh_at(0.55), 1050));
     ASSERT_TRUE(shape && *shape);
     for (const auto& surfel : *(*shape)->surfels) EXPECT_NEAR(surfel.velocity.x(), -1.0, 0.1);
 }
 
 TEST(SiteReader, RefusesBrokenLateAndFarMeshes) {
     SiteReader reader(kWorldFromAlice, {});
-    ASSERT_TRUE(reader.read(mesh_message(hand_at(0), 5000)));
-    EXPECT_THAT(reader.read(mesh_message(hand_at(0), 5000)).error().message,
+    ASSERT_TRUE(reader.read(mesh_message(hand_mesh_at(0), 5000)));
+    EXPECT_THAT(reader.read(mesh_message(hand_mesh_at(0), 5000)).error().message,
                 HasSubstr("before the last"));
-    EXPECT_FALSE(reader.read(mesh_message(hand_at(0), 4900)));
-    bus::SiteMesh broken = mesh_message(hand_at(0), 5100);
+    EXPECT_FALSE(reader.read(mesh_message(hand_mesh_at(0), 4900)));
+    bus::SiteMesh broken = mesh_message(hand_mesh_at(0), 5100);
     broken.draco.resize(broken.draco.size() / 2);
     EXPECT_FALSE(reader.read(broken));
-    EXPECT_FALSE(reader.read(mesh_message(hand_at(100.0), 5200)));
-    EXPECT_TRUE(reader.read(mesh_message(hand_at(0), 5300))) << "it recovers";
-    EXPECT_TRUE(reader.read(mesh_message(hand_at(0), 100)))
+    EXPECT_FALSE(reader.read(mesh_message(hand_mesh_at(100.0), 5200)));
+    EXPECT_TRUE(reader.read(mesh_message(hand_mesh_at(0), 5300))) << "it recovers";
+    EXPECT_TRUE(reader.read(mesh_message(hand_mesh_at(0), 100)))
         << "a recording that restarts must be accepted";
 }
 
@@ -69,7 +69,7 @@ TEST(SiteReader, FollowsAClockSetByHoursInEitherDirection) {
     for (const std::int64_t jump_ms : {std::int64_t{0}, kHours_ms, std::int64_t{0}, -kHours_ms}) {
         for (int frame = 0; frame < 3; ++frame) {
             const auto shape =
-                reader.read(mesh_message(hand_at(0), begin_ms + jump_ms + 33 * (frame + 1)));
+                reader.read(mesh_message(hand_mesh_at(0), begin_ms + jump_ms + 33 * (frame + 1)));
             EXPECT_TRUE(shape) << "jump " << jump_ms << " frame " << frame;
         }
     }

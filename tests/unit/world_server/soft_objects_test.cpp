@@ -14,7 +14,7 @@
 namespace atrium::world_server {
 namespace {
 
-std::string error_of(const std::string& toml) {
+std::string soft_error_of(const std::string& toml) {
     auto reader = config::TableReader::parse(toml, "w.toml");
     if (!reader) return reader.error().message;
     WorldServerConfig config;
@@ -31,9 +31,9 @@ mass_kg = 0.2
 )";
 
 TEST(SoftConfig, NamesFileLineAndKeyOfAnError) {
-    EXPECT_EQ(error_of(kCloth), "");
+    EXPECT_EQ(soft_error_of(kCloth), "");
     const auto expect_error = [](const std::string& toml, const std::string& part) {
-        const std::string error = error_of(toml);
+        const std::string error = soft_error_of(toml);
         EXPECT_NE(error.find("w.toml:"), std::string::npos) << error;
         EXPECT_NE(error.find(part), std::string::npos) << error;
     };

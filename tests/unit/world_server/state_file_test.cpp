@@ -256,7 +256,7 @@ WorldServerConfig floor_and_balls(const fs::path& file) {
     return config;
 }
 
-bus::SceneCommand command(bus::CommandKind kind, std::uint32_t target) {
+bus::SceneCommand state_command(bus::CommandKind kind, std::uint32_t target) {
     bus::SceneCommand c;
     c.sender = "test";
     c.kind = kind;
@@ -269,8 +269,8 @@ TEST(SavedScene, ReturnsWithAddedAndWithoutRemovedObjects) {
     const WorldServerConfig config = floor_and_balls(folder / "world.state");
     auto scene = Scene::create(config);
     ASSERT_TRUE(scene);
-    ASSERT_TRUE(scene->apply(command(bus::CommandKind::kRemove, 3)));
-    bus::SceneCommand add = command(bus::CommandKind::kAdd, 0);
+    ASSERT_TRUE(scene->apply(state_command(bus::CommandKind::kRemove, 3)));
+    bus::SceneCommand add = state_command(bus::CommandKind::kAdd, 0);
     add.object = to_message(config.objects[1]);
     add.object.object = 0;
     add.object.name = "new";

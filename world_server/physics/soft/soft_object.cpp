@@ -10,8 +10,8 @@
 namespace atrium::physics {
 namespace {
 
-constexpr double kMinSizeM = 0.01;
-constexpr double kMaxSizeM = 20.0;
+constexpr double kMinSoftSizeM = 0.01;
+constexpr double kMaxSoftSizeM = 20.0;
 
 bool is_within(double value, double min, double max) { return value >= min && value <= max; }
 
@@ -31,7 +31,7 @@ std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
             return ObjectProblem{"model", "must have 4 to 1500 vertices"};
         }
         for (const Eigen::Vector3d& v : object.model.vertices) {
-            if (!(v.cwiseAbs().maxCoeff() <= kMaxSizeM)) {
+            if (!(v.cwiseAbs().maxCoeff() <= kMaxSoftSizeM)) {
                 return ObjectProblem{"model", "must be finite and reach at most 20 m"};
             }
         }
@@ -41,7 +41,7 @@ std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
         }
         if (report.num_components != 1)
             return ObjectProblem{"model", "must be one closed surface, not several"};
-        if ((geometry::bounds(object.model).size().array() < kMinSizeM).any()) {
+        if ((geometry::bounds(object.model).size().array() < kMinSoftSizeM).any()) {
             return ObjectProblem{"scale", "must make the model at least 0.01 m along each axis"};
         }
         return std::nullopt;
@@ -49,10 +49,10 @@ std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
     // cloth and rope may be thinner
     const bool is_flat = object.shape == SoftShape::kCloth;
     const bool is_rope = object.shape == SoftShape::kRope;
-    const double least_y = is_rope ? 0.002 : kMinSizeM;
-    const double least_z = is_flat ? 0.001 : kMinSizeM;
-    if (!is_within(s.x(), kMinSizeM, kMaxSizeM) || !is_within(s.y(), least_y, kMaxSizeM) ||
-        !is_within(s.z(), least_z, kMaxSizeM)) {
+    const double least_y = is_rope ? 0.002 : kMinSoftSizeM;
+    const double least_z = is_flat ? 0.001 : kMinSoftSizeM;
+    if (!is_within(s.x(), kMinSoftSizeM, kMaxSoftSizeM) ||
+        !is_within(s.y(), least_y, kMaxSoftSizeM) || !is_within(s.z(), least_z, kMaxSoftSizeM)) {
         return ObjectProblem{"size_m",
                              "must be 0.01 m to 20 m (the diameter of a rope from 0.002 m, the "
                              "thickness of a cloth from 0.001 m)"};

@@ -12,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = AdaptiveQuality::Clock;
 
-const Clock::time_point kBegin{1000s};
+const Clock::time_point kQualityBegin{1000s};
 
 Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
@@ -22,7 +22,7 @@ Clock::duration seconds(double s) {
 struct Machine {
     std::function<double(const PictureQuality&)> busy_s;
     double late_s = 0.0;
-    Clock::time_point now = kBegin;
+    Clock::time_point now = kQualityBegin;
     int num_changes = 0;
 
     void run(AdaptiveQuality& sut, double length_s) {
