@@ -23,8 +23,17 @@ using Names = std::map<std::uint32_t, std::string>;
 // Micrometres, and millionths of a degree. Removes negative zeros.
 double rounded(double value) { return std::round(value * 1e6) / 1e6 + 0.0; }
 
+// The shortest digits that read back as the same value. Values that came in a message are floats:
+// 0.9, not 0.8999999761581421.
+std::string digits(double value) {
+    const auto single = static_cast<float>(value);
+    if (static_cast<double>(single) == value) return fmt::format("{}", single + 0.0f);
+    return fmt::format("{}", value);
+}
+
 std::string list(const Eigen::Vector3d& v, int size = 3) {
-    return fmt::format("[{}]", fmt::join(v.data(), v.data() + size, ", "));
+    if (size == 2) return fmt::format("[{}, {}]", digits(v.x()), digits(v.y()));
+    return fmt::format("[{}, {}, {}]", digits(v.x()), digits(v.y()), digits(v.z()));
 }
 
 std::string place(const Eigen::Vector3d& v) {
@@ -37,7 +46,7 @@ public:
     Table(std::string& text, const char* header) : text_(text) {
         text_ += fmt::format("\n{}\n", header);
     }
-    void number(const char* key, double value) { text_ += fmt::format("{} = {}\n", key, value); }
+    void number(const char* key, double value) { raw(key, digits(value)); }
     void name(const char* key, const std::string& value) {
         text_ += fmt::format("{} = \"{}\"\n", key, value);
     }
@@ -171,7 +180,8 @@ void write(const WorldSoftObject& soft, const Names& names, std::string& text) {
 
 void write_limits(const physics::Joint& joint, const char* key, double unit, Table& table) {
     if (!joint.limits) return;
-    table.raw(key, fmt::format("[{}, {}]", (*joint.limits)[0] / unit, (*joint.limits)[1] / unit));
+    const auto& [low, high] = *joint.limits;
+    table.raw(key, fmt::format("[{}, {}]", rounded(low / unit), rounded(high / unit)));
 }
 
 void write_spring(const physics::Joint& joint, Table& table) {
@@ -195,13 +205,13 @@ void write(const physics::Joint& joint, const Names& names, std::string& text) {
     table.raw("axis", list(joint.axis));
     const bool is_slider = joint.kind == JointKind::kSlider;
     table.number(is_slider ? "damping_nspm" : "damping_nms", joint.damping);
-    if (joint.swing_rad) table.number("swing_deg", *joint.swing_rad / kRadPerDeg);
-    if (joint.twist_rad) table.number("twist_deg", *joint.twist_rad / kRadPerDeg);
+    if (joint.swing_rad) table.number("swing_deg", rounded(*joint.swing_rad / kRadPerDeg));
+    if (joint.twist_rad) table.number("twist_deg", rounded(*joint.twist_rad / kRadPerDeg));
     if (joint.kind == JointKind::kBall) return;
     write_limits(joint, is_slider ? "limits_m" : "limits_deg", is_slider ? 1.0 : kRadPerDeg, table);
     if (joint.motor_max == 0.0) return;
     table.number(is_slider ? "motor_mps" : "motor_deg_per_s",
-                 is_slider ? joint.motor_speed : joint.motor_speed / kRadPerDeg);
+                 is_slider ? joint.motor_speed : rounded(joint.motor_speed / kRadPerDeg));
     table.number(is_slider ? "motor_max_n" : "motor_max_nm", joint.motor_max);
 }
 

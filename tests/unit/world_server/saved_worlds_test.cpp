@@ -163,6 +163,9 @@ TEST_F(SavedWorldFiles, SaveWhereThingsAreNow) {
     add.object.name = "box";
     add.object.size_m.setConstant(0.2);
     add.object.mass_kg = 1.0;
+    // as in a message, where numbers have the precision of a float
+    add.object.friction = static_cast<double>(0.9f);
+    add.object.colour = Eigen::Vector3f(0.1f, 0.2f, -0.0f).cast<double>();
     add.object.world_from_object.translation = {0.5, 0.25, 2.0};
     add.object.world_from_object.rotation =
         Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized());
@@ -170,7 +173,10 @@ TEST_F(SavedWorldFiles, SaveWhereThingsAreNow) {
     const auto before = scene->objects();
     const SavedWorldsFolder folder(folder_, 10);
     ASSERT_TRUE(folder.open());
-    ASSERT_TRUE(folder.save("now", world_text(*config, *scene, folder_)));
+    const std::string text = world_text(*config, *scene, folder_);
+    EXPECT_THAT(text, HasSubstr("\nfriction = 0.9\n"));
+    EXPECT_THAT(text, HasSubstr("\ncolour = [0.1, 0.2, 0]\n"));
+    ASSERT_TRUE(folder.save("now", text));
     const auto loaded = folder.load("now", *config);
     ASSERT_TRUE(loaded) << loaded.error().message;
     ASSERT_EQ(loaded->objects.size(), before.size());
