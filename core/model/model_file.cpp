@@ -2,6 +2,7 @@
 
 #include "core/base/readable.hpp"
 #include "core/model/assimp_errors.hpp"
+#include "core/model/ply_length.hpp"
 
 #include <Eigen/LU>
 #include <assimp/Importer.hpp>
@@ -14,7 +15,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
 #include <string_view>
 #include <system_error>
 
@@ -23,7 +23,6 @@ namespace {
 
 constexpr std::array<std::string_view, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
 constexpr int kMaxDepth = 100;  // nesting of nodes
-constexpr std::size_t kMostHeaderBytes = 65536;
 
 Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
     Eigen::Matrix4d transform;
@@ -150,19 +149,6 @@ private:
     std::size_t num_triangles_ = 0;
 };
 
-// Assimp reads a header without an end for ever.
-bool has_whole_header(const std::filesystem::path& ply) {
-    constexpr std::string_view kEnd = "end_header";
-    std::string head(kMostHeaderBytes, '\0');
-    std::ifstream stream(ply, std::ios::binary);
-    stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-    head.resize(static_cast<std::size_t>(stream.gcount()));
-    const std::size_t at = head.find(kEnd);
-    if (at == std::string::npos || at + kEnd.size() >= head.size()) return false;
-    const char next = head[at + kEnd.size()];
-    return next == '\n' || next == '\r';
-}
-
 Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& limits) {
     const auto wrong = [&](ErrorKind kind, const std::string& what) {
         return make_error(kind, fmt::format("{}: {}", file.string(), what));
@@ -180,9 +166,10 @@ Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& 
             ErrorKind::kInvalidData,
             fmt::format("has {} bytes, at most {} are allowed", num_bytes, limits.max_file_bytes));
     }
-    if (num_bytes > 0 && ending_of(file) == ".ply" && !has_whole_header(file))
-        return wrong(ErrorKind::kInvalidData,
-                     "is cut off, or no .ply file: its header does not end; copy it again");
+    if (num_bytes > 0 && ending_of(file) == ".ply") {
+        if (const std::string lacks = what_ply_lacks(file); !lacks.empty())
+            return wrong(ErrorKind::kInvalidData, lacks);
+    }
     return {};
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -52,6 +53,45 @@ TEST_F(DamagedModels, Ply) {
     for (std::size_t i = 1; i <= header; ++i)
         EXPECT_THAT(error_of("part.ply", whole.substr(0, i)), HasSubstr("its header does not end"))
             << i;
+}
+
+TEST_F(DamagedModels, PlyCutInItsData) {
+    const std::string text = ply("3 1 2 4\n3 2 3 4\n3 3 0 4");
+    EXPECT_EQ(error_of("no_newline.ply", text), "");
+    EXPECT_THAT(error_of("cut.ply", ply("3 1 2 4\n")),
+                HasSubstr("is cut off: has 3 of 5 entries of 'face'"));
+    EXPECT_THAT(error_of("cut.ply", text.substr(0, text.find("0 1 0"))),
+                HasSubstr("is cut off: has 3 of 5 entries of 'vertex'"));
+    EXPECT_EQ(error_of("degenerate.ply", ply("3 1 2 4\n3 2 3 4\n3 3 3 4\n")), "");
+    for (const bool is_big : {false, true}) {
+        const auto number = [&](auto value) {
+            std::string bytes(sizeof value, '\0');
+            std::memcpy(bytes.data(), &value, sizeof value);
+            if (is_big) std::reverse(bytes.begin(), bytes.end());
+            return bytes;
+        };
+        std::string binary =
+            std::string("ply\r\nformat binary_") + (is_big ? "big" : "little") +
+            "_endian 1.0\r\ncomment made by hand\r\nelement vertex 4\r\nproperty float x\r\n"
+            "property float y\r\nproperty float z\r\nproperty uchar red\r\nelement face 4\r\n"
+            "property list uchar uint vertex_indices\r\nproperty short part\r\nend_header\r\n";
+        for (const auto& [x, y, z] : {std::array{0.0F, 0.0F, 0.0F},
+                                      {1.0F, 0.0F, 0.0F},
+                                      {0.0F, 1.0F, 0.0F},
+                                      {0.0F, 0.0F, 1.0F}})
+            binary += number(x) + number(y) + number(z) + '\x80';
+        const std::size_t faces = binary.size();
+        for (const auto& [a, b, c] :
+             {std::array{0U, 2U, 1U}, {0U, 1U, 3U}, {0U, 3U, 2U}, {1U, 2U, 3U}})
+            binary += '\x03' + number(a) + number(b) + number(c) + number(std::int16_t{7});
+        EXPECT_EQ(error_of("whole.ply", binary), "");
+        EXPECT_THAT(error_of("cut.ply", binary.substr(0, binary.size() - 1)),
+                    HasSubstr("is cut off: has 3 of 4 entries of 'face'"));
+        EXPECT_THAT(error_of("cut.ply", binary.substr(0, faces)),
+                    HasSubstr("is cut off: has 0 of 4 entries of 'face'"));
+        EXPECT_THAT(error_of("cut.ply", binary.substr(0, faces - 1)),
+                    HasSubstr("is cut off: has 3 of 4 entries of 'vertex'"));
+    }
 }
 
 TEST_F(DamagedModels, Obj) {
