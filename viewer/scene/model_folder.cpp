@@ -3,6 +3,7 @@
 #include "core/bus/names.hpp"
 #include "core/geometry/aabb.hpp"
 #include "core/model/model_file.hpp"
+#include "core/model/pieces.hpp"
 
 #include <algorithm>
 #include <array>
@@ -76,7 +77,7 @@ ModelSize ModelFolder::measure_file(const fs::path& file) {
         size.num_triangles += part.mesh.triangles.size();
         for (const Eigen::Vector3d& vertex : part.mesh.vertices) bounds.add(vertex);
     }
-    size.num_parts = parts->size();
+    size.num_parts = model::pieces_of(*parts, file).size();
     size.size_m = bounds.size();
     size.preview = draw_preview(*parts);
     return size;

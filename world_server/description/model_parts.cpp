@@ -1,6 +1,7 @@
 #include "world_server/description/model_parts.hpp"
 
 #include "core/model/model_file.hpp"
+#include "core/model/pieces.hpp"
 #include "world_server/physics/rigid/convex_hull.hpp"
 
 #include <fmt/format.h>
@@ -17,6 +18,18 @@ Eigen::Vector3d size_of(const std::vector<model::ModelPart>& parts) {
     return bounds.size();
 }
 
+std::vector<model::Piece> pieces_of(const std::vector<model::ModelPart>& parts,
+                                    const std::filesystem::path& file,
+                                    physics::ObjectShape shape) {
+    if (shape == physics::ObjectShape::kCompound) return model::pieces_of(parts, file);
+    model::Piece whole;
+    for (const model::ModelPart& part : parts) {
+        const auto& vertices = part.mesh.vertices;
+        whole.points.insert(whole.points.end(), vertices.begin(), vertices.end());
+    }
+    return {whole};
+}
+
 }  // namespace
 
 Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
@@ -24,13 +37,17 @@ Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
                                        physics::ObjectShape shape) {
     const auto model = model::load_model(file, scale);
     if (!model) return tl::unexpected(model.error());
+    const std::vector<model::Piece> pieces = pieces_of(*model, file, shape);
+    if (pieces.size() > physics::kMaxHullParts) {
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("has {} parts, a compound at most {}; "
+                                      "shape = \"convex\" is one hull around everything",
+                                      pieces.size(),
+                                      physics::kMaxHullParts));
+    }
     std::vector<geometry::TriangleMesh> parts;
-    std::vector<Eigen::Vector3d> points;
-    for (const model::ModelPart& part : *model) {
-        if (shape == physics::ObjectShape::kCompound) points.clear();
-        points.insert(points.end(), part.mesh.vertices.begin(), part.mesh.vertices.end());
-        if (shape == physics::ObjectShape::kConvex && &part != &model->back()) continue;
-        parts.push_back(physics::convex_hull(points, physics::kMaxHullVertices));
+    for (const model::Piece& piece : pieces) {
+        parts.push_back(physics::convex_hull(piece.points, physics::kMaxHullVertices));
         if (parts.back().empty()) {
             const Eigen::Vector3d size_m = size_of(*model);
             return make_error(
@@ -42,7 +59,7 @@ Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
                                   size_m.x(),
                                   size_m.y(),
                                   size_m.z())
-                    : fmt::format("part '{}' has no volume: it is flat", part.name));
+                    : fmt::format("part '{}' has no volume: it is flat", piece.name));
         }
     }
     return LoadedModel{
