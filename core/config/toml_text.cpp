@@ -82,9 +82,16 @@ std::string number_meant_in(std::string_view line) {
     return {};
 }
 
-// What is probably wrong with the line, of which the library says `what`.
-std::string hint(std::string_view line, std::string_view what) {
+// What is probably wrong with the line of the text, of which the library says `what`.
+std::string hint(std::string_view text, std::string_view line, std::string_view what) {
+    if (text.find('\n') == text.npos && text.find('\r') != text.npos)
+        return "its lines end with a carriage return alone: save it with Unix or Windows line ends";
     const auto equals = line.find('=');
+    if (line.find("\xE2\x80\x9C") != line.npos || line.find("\xE2\x80\x9D") != line.npos)
+        return "text needs straight double quotes, not typographic ones";
+    if (what.find("already exists") == what.npos && equals != line.npos &&
+        line.find('\\', equals) != line.npos)
+        return "a backslash starts an escape in double quotes: write / in paths";
     if (line.starts_with('[')) return "a table is written [name], several of them [[name]]";
     if (what.ends_with("already exists")) return "write each key once in its table";
     if (const std::string number = number_meant_in(line); !number.empty())
@@ -159,7 +166,7 @@ Expected<toml::value> parse_toml(const std::string& text, const std::string& nam
                                       number,
                                       what,
                                       line,
-                                      hint(line, what)));
+                                      hint(text, line, what)));
     } catch (const std::exception& failure) {
         return make_error(ErrorKind::kConfiguration,
                           fmt::format("{}: not valid TOML: {}", name, failure.what()));

@@ -213,11 +213,23 @@ void doubt_joints(const WorldDescription& world, std::vector<std::string>& lines
 void doubt_limits(const WorldDescription& world, std::vector<std::string>& lines) {
     constexpr double kLargest_deg = 3.2;
     constexpr double kRounding_deg = 1e-6;
+    const auto in_degrees = [](double angle_rad) { return angle_rad * 180.0 / std::numbers::pi; };
     for (const physics::Joint& joint : world.joints) {
+        for (const auto& [key, angle_rad] :
+             {std::pair{"swing_deg", joint.swing_rad}, std::pair{"twist_deg", joint.twist_rad}}) {
+            const double angle_deg = in_degrees(angle_rad.value_or(0.0));
+            if (angle_deg < kRounding_deg || angle_deg > kLargest_deg + kRounding_deg) continue;
+            lines.push_back(
+                fmt::format("joint_looks_wrong a={} b={} reason=\"{} {:.4g} is hardly any motion "
+                            "in degrees; as "
+                            "radians it would be {:.0f} degrees\"",
+                            name_of(world, joint.a),
+                            name_of(world, joint.b),
+                            key,
+                            angle_deg,
+                            in_degrees(angle_deg)));
+        }
         if (joint.kind != physics::JointKind::kHinge || !joint.limits) continue;
-        const auto in_degrees = [](double angle_rad) {
-            return angle_rad * 180.0 / std::numbers::pi;
-        };
         const double from_deg = in_degrees(joint.limits->at(0));
         const double to_deg = in_degrees(joint.limits->at(1));
         const double largest_deg = std::max(std::abs(from_deg), std::abs(to_deg));

@@ -245,6 +245,10 @@ TEST(TableReader, ShowsALineThatIsNotTomlAndSaysHowToWriteIt) {
     EXPECT_THAT(error_of("[hull\nthreads = 2\n"),
                 AllOf(HasSubstr("room.toml:1"), HasSubstr("a table is written [name]")));
     EXPECT_THAT(error_of("threads: 2\n"), HasSubstr("a value is written key = value"));
+    EXPECT_THAT(error_of("model = \"models\\seat.obj\"\n"), HasSubstr("write / in paths"));
+    EXPECT_THAT(error_of("name = \xE2\x80\x9Cseat\xE2\x80\x9D\n"),
+                HasSubstr("straight double quotes"));
+    EXPECT_THAT(error_of("[hull]\rthreads = 2\r"), HasSubstr("carriage return alone"));
     EXPECT_THAT(error_of(std::string("\xFF\xFE[\0h\0", 6)), HasSubstr("not a text file in UTF-8"));
     for (const char* text : {"a = 1\n# Gr\xFC\xDF"
                              "e\n",

@@ -211,6 +211,17 @@ TEST_F(WorldDoubts, NameLimitsOfAHingeInRadians) {
     EXPECT_THAT(doubts(hinge + "limits_deg = [-1, 5]\n"), IsEmpty());
 }
 
+TEST_F(WorldDoubts, NameLimitsOfABallJointInRadians) {
+    const std::string ball =
+        box("lamp", 1, "") + "[[joint]]\na = \"lamp\"\nkind = \"ball\"\nanchor_m = [0, 0, 0]\n";
+    EXPECT_THAT(doubts(ball + "swing_deg = 1.2\n"),
+                ElementsAre(HasSubstr("joint_looks_wrong a=lamp b=world reason=\"swing_deg 1.2 is "
+                                      "hardly any motion in degrees; as radians it would be 69 "
+                                      "degrees")));
+    EXPECT_THAT(doubts(ball + "twist_deg = 1.57\n"), ElementsAre(HasSubstr("twist_deg 1.57")));
+    EXPECT_THAT(doubts(ball + "swing_deg = 20\ntwist_deg = 0\n"), IsEmpty());
+}
+
 TEST_F(WorldDoubts, SizesOfScenery) {
     const auto rock = [](const std::string& rest) {
         return std::string(
