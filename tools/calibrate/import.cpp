@@ -89,6 +89,18 @@ Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Sa
             if (auto set = set_picture_size(camera, {look.width, look.height}); !set) return set;
             continue;
         }
+        if (camera.lens.width == look.height && camera.lens.height == look.width) {
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px: "
+                            "they were turned, perhaps because their EXIF data or the video's "
+                            "rotation says so; export them as the camera took them",
+                            camera.known_name(),
+                            camera.lens.width,
+                            camera.lens.height,
+                            look.width,
+                            look.height));
+        }
         return make_error(
             ErrorKind::kConfiguration,
             fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px; if "
