@@ -324,7 +324,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
                                                  std::stop_token stop,
                                                  SurfaceIs surface_is,
                                                  std::unique_ptr<Surface> given) {
-    if (auto named = check_file_names(config); !named) return tl::unexpected(named.error());
+    if (auto named = check_names(config); !named) return tl::unexpected(named.error());
     const auto camera = make_view_camera(config.view);
     if (!camera) return tl::unexpected(camera.error());
     const auto surface = surface_options(config);
@@ -357,8 +357,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
 }
 
 Expected<void> Viewer::run(std::stop_token stop) {
-    Expected<void> opened;
-    if (!impl_->picture.surface) opened = impl_->open();
+    Expected<void> opened = impl_->picture.surface ? Expected<void>() : impl_->open();
     if (opened) opened = impl_->output_files.open(*impl_->picture.renderer);
     if (!opened) {
         static_cast<void>(impl_->close());
@@ -379,6 +378,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
     impl_->statistics.log_stopped(impl_->limit ? impl_->limit->frames_per_s() : 0.0,
                                   impl_->session->num_deadlines_missed());
     // also after an error: the picture shows who was there
+    if (!impl_->config.output.empty()) impl_->picture.wait_for_files(stop);
     auto written = impl_->drawing->draw_at_best(impl_->picture.eyes);
     if (written) written = impl_->output_files.write_output(*impl_->picture.renderer);
     const auto closed = impl_->close();

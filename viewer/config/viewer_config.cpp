@@ -1,6 +1,7 @@
 #include "viewer/config/viewer_config.hpp"
 
 #include "core/bus/bus_options.hpp"
+#include "core/bus/names.hpp"
 #include "core/presence/membership.hpp"
 #include "viewer/config/stream_address.hpp"
 
@@ -17,7 +18,9 @@ namespace atrium::viewer {
 namespace {
 
 void declare(ViewConfig& view, config::OptionSet& set) {
-    set.add("view.name", view.name, "name in status and commands; empty: a unique name");
+    set.add("view.name",
+            view.name,
+            "name in status and commands, of A-Z a-z 0-9 _ . -; empty: a unique name");
     set.add("view.width", view.width, "width of the picture [px]", {.min = 16, .max = 8192});
     set.add("view.height", view.height, "height of the picture [px]", {.min = 16, .max = 8192});
     set.add("view.max_fps",
@@ -143,7 +146,12 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
         "device of v4l2loopback (/dev/videoN) that other programs see as a camera; empty: none");
 }
 
-Expected<void> check_file_names(const ViewerConfig& config) {
+Expected<void> check_names(const ViewerConfig& config) {
+    if (!config.view.name.empty() && !bus::is_valid_name(config.view.name)) {
+        return make_error(ErrorKind::kConfiguration,
+                          "view.name: must be 1 to 63 characters of A-Z a-z 0-9 _ . -, got '" +
+                              config.view.name + "'");
+    }
     const std::filesystem::path& output = config.output;
     if (!output.empty() && output.extension() != ".png") {
         return make_error(ErrorKind::kConfiguration,

@@ -79,9 +79,9 @@ struct ViewerConfig {
 /// Declares every option, with its unit, on `set`.
 void declare(ViewerConfig& config, config::OptionSet& set);
 
-/// Checks the extensions of the output files and the address of the stream. Error kConfiguration if
-/// one does not match a format.
-Expected<void> check_file_names(const ViewerConfig& config);
+/// Checks the name, the extensions of the output files and the address of the stream. Error
+/// kConfiguration if one does not match its format.
+Expected<void> check_names(const ViewerConfig& config);
 
 /// Size of the video for pictures of that size [px]. Even, as the formats require.
 std::pair<int, int> video_size(const VideoConfig& video, std::pair<int, int> picture);

@@ -12,7 +12,7 @@
 namespace atrium::viewer {
 
 Expected<void> check_outputs(const ViewerConfig& config) {
-    if (auto named = check_file_names(config); !named) return named;
+    if (auto named = check_names(config); !named) return named;
     for (const std::filesystem::path& file : {config.output, config.video.file}) {
         if (file.empty()) continue;
         if (auto ready = prepare_file(file); !ready) return ready;

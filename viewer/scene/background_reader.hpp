@@ -45,6 +45,11 @@ public:
         const std::lock_guard lock(mutex_);
         return wanted_.size();
     }
+    /// Whether everything that was requested has been read and taken.
+    bool is_idle() const {
+        const std::lock_guard lock(mutex_);
+        return waiting_.empty() && results_.empty() && !is_reading_;
+    }
     /// Returns the results since the last call, failures included. Never blocks.
     std::vector<Result> take() {
         std::vector<Result> results;
@@ -72,9 +77,11 @@ private:
             const Key key = std::move(waiting_.front());
             waiting_.pop_front();
             const std::size_t generation = generation_;
+            is_reading_ = true;
             lock.unlock();
             Expected<Value> value = read_(key);
             lock.lock();
+            is_reading_ = false;
             if (generation == generation_) results_.emplace_back(key, std::move(value));
         }
     }
@@ -86,6 +93,7 @@ private:
     std::deque<Key> waiting_;  // not read yet
     std::vector<Result> results_;
     std::size_t generation_ = 0;
+    bool is_reading_ = false;
     std::jthread thread_;  // last: stops before the other members are destroyed
 };
 

@@ -37,6 +37,8 @@ public:
     /// Returns the files loaded since the last call; looks that use them have changed. Never
     /// blocks.
     std::set<std::string> take();
+    /// Whether everything that was requested has been read and taken.
+    bool is_idle() const { return reader_.is_idle(); }
     /// Drops all requests and models. Files may be requested again.
     void forget();
 

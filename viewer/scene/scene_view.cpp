@@ -198,6 +198,11 @@ std::set<std::string> SceneView::site_names() const {
     return names;
 }
 
+bool SceneView::is_complete() const {
+    return waiting_.objects.empty() && waiting_.soft_bodies.empty() && waiting_.scenery.empty() &&
+           models_.is_idle() && textures_.is_idle();
+}
+
 std::string SceneView::missing_file() const {
     const auto missing_of = [this](const auto& thing) -> std::string {
         if (!thing.model.empty() && models_.is_missing(thing.model, thing.model_scale))

@@ -47,6 +47,8 @@ public:
     using Sites = std::map<std::string, std::shared_ptr<const bus::SiteDescription>>;
     const Sites& sites() const { return sites_; }
     std::set<std::string> site_names() const;
+    /// Whether every model and texture has been read and every change is shown.
+    bool is_complete() const;
     /// A model or texture of the objects and scenery that could not be read: "model chair.obj".
     /// Empty: none.
     std::string missing_file() const;

@@ -41,6 +41,8 @@ public:
     bool is_missing(const std::string& file) const { return complained_.contains(file); }
     /// Returns the textures loaded since the last call. Never blocks.
     std::vector<Loaded> take();
+    /// Whether everything that was requested has been read and taken.
+    bool is_idle() const { return reader_.is_idle(); }
     /// Drops all requests. Files may be requested again.
     void forget();
 

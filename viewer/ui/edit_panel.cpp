@@ -31,19 +31,35 @@ double kept(float field, double value) {
     return field == static_cast<float>(value) ? value : static_cast<double>(field);
 }
 
-std::array<float, 3> fields_of(const Eigen::Vector3d& values) {
+// Less than `shown` would be shown as 0, or as -0.
+std::array<float, 3> fields_of(const Eigen::Vector3d& values, double shown) {
     std::array<float, 3> fields{};
     for (int i = 0; i < 3; ++i) {
-        constexpr double kShown = 5e-4;  // less would be shown as 0, or as -0
-        const double value = std::abs(values[i]) < kShown ? 0.0 : values[i];
+        const double value = std::abs(values[i]) < shown ? 0.0 : values[i];
         fields[static_cast<std::size_t>(i)] = static_cast<float>(value);
     }
     return fields;
 }
 
+std::array<float, 3> position_fields(const geometry::RigidTransform& pose) {
+    return fields_of(pose.translation, 0.0005);
+}
+
+std::array<float, 3> angle_fields(const geometry::RigidTransform& pose) {
+    return fields_of(geometry::roll_pitch_yaw_deg(pose.rotation), 0.05);
+}
+
+// Of something of wood that fills half of its extents: for a fixed object that becomes movable.
+float usual_mass_kg(const bus::SceneObject& object) {
+    constexpr double kDensity = 300.0;
+    constexpr double kLeast_kg = 0.001;
+    return static_cast<float>(std::max(kDensity * object.size_m.prod(), kLeast_kg));
+}
+
 }  // namespace
 
 void EditPanel::load(const bus::SceneObject& object) {
+    if (object.object != seen_.object) movable_mass_kg_ = usual_mass_kg(object);
     seen_ = asked_ = object;
     std::snprintf(name_.data(), name_.size(), "%s", object.name.c_str());
     for (int i = 0; i < 3; ++i) {
@@ -105,12 +121,12 @@ std::string EditPanel::draw_fields(const bus::SceneObject& object) {
 
 geometry::RigidTransform EditPanel::typed_pose(const geometry::RigidTransform& from) const {
     geometry::RigidTransform pose = from;
-    const std::array<float, 3> shown = fields_of(from.translation);
+    const std::array<float, 3> shown = position_fields(from);
     for (int i = 0; i < 3; ++i) {
         const auto k = static_cast<std::size_t>(i);
         if (position_m_[k] != shown[k]) pose.translation[i] = static_cast<double>(position_m_[k]);
     }
-    if (angles_deg_ != fields_of(geometry::roll_pitch_yaw_deg(from.rotation)))
+    if (angles_deg_ != angle_fields(from))
         pose.rotation = geometry::rotation_of_roll_pitch_yaw(
             Eigen::Map<const Eigen::Vector3f>(angles_deg_.data()).cast<double>());
     return pose;
@@ -121,8 +137,8 @@ geometry::RigidTransform EditPanel::typed_pose(const geometry::RigidTransform& f
 std::string EditPanel::draw_place(const EditView& edit, SurfaceEvents& events) {
     const geometry::RigidTransform from = held_ ? held_->from : edit.pose;
     if (!held_) {
-        position_m_ = fields_of(from.translation);
-        angles_deg_ = fields_of(geometry::roll_pitch_yaw_deg(from.rotation));
+        position_m_ = position_fields(from);
+        angles_deg_ = angle_fields(from);
     }
     std::string problem;
     bool is_active = false;

@@ -2,7 +2,9 @@
 
 #include "core/app/log.hpp"
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 namespace atrium::viewer {
 namespace {
@@ -65,6 +67,18 @@ void WorldPicture::update(Session& session, Clock::time_point now, DrawingTimes&
     people.update(session, instant, now, *renderer);
     if (const std::size_t num_new = people.just_shown().size(); num_new > 0)
         times.add_people((Clock::now() - people_begin) / num_new);
+}
+
+void WorldPicture::wait_for_files(std::stop_token stop) {
+    constexpr auto kLongest = std::chrono::seconds(20);
+    constexpr auto kPeriod = std::chrono::milliseconds(10);
+    const Clock::time_point until = Clock::now() + kLongest;
+    while (!scene.is_complete() && !stop.stop_requested()) {
+        if (Clock::now() > until)
+            return app::log::warn("models_not_read; the picture is written without some of them");
+        std::this_thread::sleep_for(kPeriod);
+        scene.update({}, Clock::now(), display.instant(Timestamp::now()), *renderer);
+    }
 }
 
 void WorldPicture::draw(Session& session,

@@ -14,6 +14,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +37,9 @@ struct WorldPicture {
 
     /// Takes people and objects from the session, as they are to be shown at `now`.
     void update(Session& session, Clock::time_point now, DrawingTimes& times);
+    /// Waits for the models and textures that are being read, for a picture that is written. Logs
+    /// if that takes too long.
+    void wait_for_files(std::stop_token stop);
     /// Draws what `update` took. `inside`: person through whose eyes the camera looks; empty:
     /// nobody. `now`: as for `update`.
     void draw(Session& session,

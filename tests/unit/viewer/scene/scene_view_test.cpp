@@ -100,6 +100,26 @@ TEST_F(SceneViewTest, GivesObjectsTheirModelsOnceLoaded) {
         std::this_thread::yield();
     }
     EXPECT_EQ(renderer_->num_objects(), 1U);
+    while (!view_.is_complete()) update({});
+    const renderer::RenderedPicture complete = draw();
+    update({});
+    EXPECT_EQ(draw().rgba, complete.rgba);
+}
+
+TEST_F(SceneViewTest, IsIncompleteUntilItsFilesAreReadAndShown) {
+    EXPECT_TRUE(view_.is_complete());
+    bus::SceneObject thing = ball(7);
+    thing.shape = bus::Shape::kConvex;
+    thing.model = "tetra.obj";
+    SceneChanges changes;
+    changes.objects[7] = thing;
+    update(std::move(changes));
+    EXPECT_FALSE(view_.is_complete()) << "only an update takes what was read";
+    while (!view_.is_complete()) {
+        update({});
+        std::this_thread::yield();
+    }
+    EXPECT_TRUE(view_.mesh_of(thing));
 }
 
 // The origin of a model is often at its foot or a corner.
