@@ -3,6 +3,7 @@
 #include "tests/support/skips.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <filesystem>
@@ -71,7 +72,7 @@ protected:
 
     const fs::path folder_ =
         fs::path(testing::TempDir()) /
-        ("processor_meter_" +
+        ("processor_meter_" + std::to_string(getpid()) + "_" +
          std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     Clock::time_point now_{seconds(1000)};
 };
