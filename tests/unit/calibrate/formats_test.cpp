@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <regex>
 
 namespace atrium::calibrate {
 namespace {
@@ -58,6 +59,16 @@ TEST_P(Formats, OpenCvXmlWithVectors) {
 
 TEST_P(Formats, OpenCvJson) {
     expect_truth({folder_.write("calib.json", test::opencv_json(cameras_))});
+}
+
+TEST_P(Formats, OpenCvJsonWithCoefficientsByName) {
+    const std::string listed = test::opencv_json(cameras_);
+    const std::regex five(
+        R"("distCoef": \[([^,\]]+), ([^,\]]+), ([^,\]]+), ([^,\]]+), ([^,\]]+)\])");
+    const std::string named =
+        std::regex_replace(listed, five, R"("k1": $1, "k2": $2, "p1": $3, "p2": $4, "k3": $5)");
+    ASSERT_THAT(named, testing::Not(testing::HasSubstr("distCoef")));
+    expect_truth({folder_.write("calib.json", named)});
 }
 
 TEST_P(Formats, OpenCvOneFilePerCamera) {

@@ -37,7 +37,11 @@ constexpr Keys kDistortion{"distortion_coefficients",
                            "distortions",
                            "dist",
                            "distCoef",
+                           "distortion_params",
+                           "distortion_parameters",
                            "D"};
+// one by one, in OpenCV's order; k1 is always there
+constexpr Keys kCoefficients{"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
 constexpr Keys kRotation{"Rot", "R", "rotation_matrix", "rotation", "rvec", "rotation_vector", "r"};
 constexpr Keys kTranslation{"T", "t", "tvec", "translation", "translation_vector", "trans"};
 constexpr Keys kPose{"extrinsics", "extrinsic", "extrinsic_matrix", "RT", "Rt", "pose"};
@@ -52,6 +56,7 @@ struct Found {
     const Tree* matrix = nullptr;
     const Tree* focal = nullptr;  // a map with fx, fy, cx, cy
     const Tree* distortion = nullptr;
+    const Tree* coefficients = nullptr;  // a map with k1
     const Tree* rotation = nullptr;
     const Tree* translation = nullptr;
     const Tree* pose = nullptr;
@@ -151,12 +156,20 @@ private:
         });
     }
 
+    static bool has_coefficients(const Tree& map) {
+        const Tree* first = find(map, {"k1"});
+        return first != nullptr && number(*first).has_value();
+    }
+
     void add_keys(const Tree& tree, const std::string& suffix, const std::string& name) {
         Found& camera = cameras_[name];
         set(camera.matrix, find_with(tree, kMatrix, suffix));
         for (const Tree* map : {&tree, camera.matrix})
             if (suffix.empty() && map != nullptr && has_focal(*map)) camera.focal = map;
         set(camera.distortion, find_with(tree, kDistortion, suffix));
+        for (const Tree* map : {&tree, camera.matrix, camera.distortion})
+            if (suffix.empty() && map != nullptr && has_coefficients(*map))
+                camera.coefficients = map;
         set(camera.rotation, find_with(tree, kRotation, suffix));
         set(camera.translation, find_with(tree, kTranslation, suffix));
         set(camera.pose, find_with(tree, kPose, suffix));
@@ -219,6 +232,22 @@ std::optional<ForeignPose> pose_of(const Found& found) {
     return ForeignPose{*matrix, {translation[0], translation[1], translation[2]}};
 }
 
+// Up to the last that is given; those between that are not are 0.
+std::optional<std::vector<double>> coefficients_in(const Tree& map) {
+    std::vector<double> coefficients;
+    std::size_t num_given = 0;
+    for (const char* key : kCoefficients) {
+        const Tree* value = find(map, {key});
+        const auto read = value != nullptr ? number(*value) : 0.0;
+        if (!read) return std::nullopt;
+        coefficients.push_back(*read);
+        if (value != nullptr) num_given = coefficients.size();
+    }
+    // OpenCV takes 4, 5 or 8
+    coefficients.resize(num_given <= 4 ? 4 : num_given == 5 ? 5 : 8);
+    return coefficients;
+}
+
 Expected<ForeignCamera> camera_of(const std::string& name,
                                   const Found& found,
                                   std::vector<std::string>& notes) {
@@ -238,7 +267,11 @@ Expected<ForeignCamera> camera_of(const std::string& name,
         } else {
             return wrong("its camera matrix must be finite numbers");
         }
-        if (found.distortion != nullptr) {
+        if (found.coefficients != nullptr) {
+            const auto coefficients = coefficients_in(*found.coefficients);
+            if (!coefficients) return wrong("its distortion must be finite numbers");
+            lens.distortion = *coefficients;
+        } else if (found.distortion != nullptr) {
             const auto distortion = numbers(*found.distortion);
             if (!distortion) return wrong("its distortion must be finite numbers");
             lens.distortion = *distortion;
@@ -275,6 +308,7 @@ bool is_known_key(const std::string& key, int depth) {
     for (const Keys keys : {kMatrix,
                             kFocal,
                             kDistortion,
+                            kCoefficients,
                             kRotation,
                             kTranslation,
                             kPose,
