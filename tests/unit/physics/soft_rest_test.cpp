@@ -15,7 +15,7 @@ namespace {
 using physics_test::make_box_mesh;
 
 constexpr std::uint32_t kTable = 7;
-constexpr double kLong_s = test::kSanitized ? 15.0 : 60.0;
+constexpr double kLong_s = test::kSanitized ? 30.0 : 60.0;
 constexpr double kShort_s = test::kSanitized ? 10.0 : 20.0;
 
 // A table of 1.2 x 0.7 m, 74 cm high, that stands on four legs on the floor.
