@@ -42,13 +42,13 @@ Expected<void> set_matrix(geometry::PinholeCamera& k, const LensNumbers& lens, c
     return {};
 }
 
+}  // namespace
+
 bool is_fisheye(std::string model) {
     std::ranges::transform(model, model.begin(), [](unsigned char c) { return std::tolower(c); });
     return model == "fisheye" || model == "equidistant" || model == "kannala_brandt" ||
            model == "equi";
 }
-
-}  // namespace
 
 Expected<void> accept_fit(ForeignCamera& camera,
                           const std::array<double, 5>& distortion,

@@ -17,6 +17,9 @@ struct LensNumbers {
     double pixel_centre = 0.0;       // coordinate of the first pixel's centre
 };
 
+/// Whether `model` is a name of OpenCV's fisheye lens, whose coefficients are k1 to k4.
+bool is_fisheye(std::string model);
+
 /// Checks the numbers and fills `camera.lens`. Lenses of other models are fitted; a fit that is off
 /// by more than a pixel is an error. Adds to `notes` what was changed. `where` is the file.
 Expected<void> set_lens(ForeignCamera& camera,

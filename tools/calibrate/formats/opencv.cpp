@@ -42,6 +42,7 @@ constexpr Keys kDistortion{"distortion_coefficients",
                            "D"};
 // one by one, in OpenCV's order; k1 is always there
 constexpr Keys kCoefficients{"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
+constexpr Keys kFisheye{"k1", "k2", "k3", "k4"};
 constexpr Keys kRotation{"Rot", "R", "rotation_matrix", "rotation", "rvec", "rotation_vector", "r"};
 constexpr Keys kTranslation{"T", "t", "tvec", "translation", "translation_vector", "trans"};
 constexpr Keys kPose{"extrinsics", "extrinsic", "extrinsic_matrix", "RT", "Rt", "pose"};
@@ -233,10 +234,10 @@ std::optional<ForeignPose> pose_of(const Found& found) {
 }
 
 // Up to the last that is given; those between that are not are 0.
-std::optional<std::vector<double>> coefficients_in(const Tree& map) {
+std::optional<std::vector<double>> coefficients_in(const Tree& map, const std::string& model) {
     std::vector<double> coefficients;
     std::size_t num_given = 0;
-    for (const char* key : kCoefficients) {
+    for (const char* key : is_fisheye(model) ? kFisheye : kCoefficients) {
         const Tree* value = find(map, {key});
         const auto read = value != nullptr ? number(*value) : 0.0;
         if (!read) return std::nullopt;
@@ -267,8 +268,10 @@ Expected<ForeignCamera> camera_of(const std::string& name,
         } else {
             return wrong("its camera matrix must be finite numbers");
         }
+        if (found.model != nullptr && found.model->is_string())
+            lens.model = found.model->get<std::string>();
         if (found.coefficients != nullptr) {
-            const auto coefficients = coefficients_in(*found.coefficients);
+            const auto coefficients = coefficients_in(*found.coefficients, lens.model);
             if (!coefficients) return wrong("its distortion must be finite numbers");
             lens.distortion = *coefficients;
         } else if (found.distortion != nullptr) {
@@ -283,8 +286,6 @@ Expected<ForeignCamera> camera_of(const std::string& name,
             const auto height = number(*found.height);
             if (width && height) lens.size = {*width, *height};
         }
-        if (found.model != nullptr && found.model->is_string())
-            lens.model = found.model->get<std::string>();
         if (auto set = set_lens(camera, lens, found.where, notes); !set)
             return tl::unexpected(set.error());
     }
