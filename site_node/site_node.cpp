@@ -78,7 +78,16 @@ Expected<void> SiteNode::explain_no_output(const bus::SiteStatus& total, bool wa
     if (num_with_people_ > 0 || num_published + num_lost == 0) return {};
     if (was_stopped && num_published + num_lost < kManyLost) return {};
     if (num_published > 0) {
-        if (found.empty()) return {};  // an empty room
+        if (found.empty()) {  // an empty room
+            app::log::warn(
+                "nobody_seen metaframes={} reason=\"no camera saw anybody\" advice=\"if somebody "
+                "was "
+                "there, look at what the cameras show: --preview FILE.png; the empty room must "
+                "have "
+                "the light of the pictures, masks must show people in white: docs/backgrounds.md\"",
+                num_published);
+            return {};
+        }
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("no person was published, though cameras saw some: all {} "
                                       "meshes are empty: {}",

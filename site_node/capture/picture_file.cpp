@@ -1,6 +1,7 @@
 #include "site_node/capture/picture_file.hpp"
 
 #include "core/base/readable.hpp"
+#include "site_node/capture/mask_values.hpp"
 #include "site_node/capture/truncated_picture.hpp"
 #include "site_node/capture/video_length.hpp"
 
@@ -100,44 +101,6 @@ std::optional<PictureSize> size_in_png(const fs::path& file) {
         return static_cast<int>(std::min<std::uint32_t>(value, 1U << 30));
     };
     return PictureSize{number(16), number(20)};
-}
-
-// The channel that tells the person from the background: alpha if any pixel is not opaque, else the
-// first, or the green one of a colour picture, which carries most of its luma.
-template <typename Sample>
-int mask_channel(const cv::Mat& picture) {
-    const int num = picture.channels();
-    const int colour = num >= 3 ? 1 : 0;
-    if (num != 2 && num != 4) return colour;
-    for (int y = 0; y < picture.rows; ++y) {
-        const Sample* const row = picture.ptr<Sample>(y);
-        for (int x = 0; x < picture.cols; ++x)
-            if (row[x * num + num - 1] != std::numeric_limits<Sample>::max()) return num - 1;
-    }
-    return colour;
-}
-
-// Foreground is brighter than half of the brightest value possible. A mask without a value above 1,
-// or of 16 bits without one above 255, counts from there.
-template <typename Sample>
-void mask_from(const cv::Mat& picture, image::Mask& out) {
-    const int num = picture.channels();
-    const int channel = mask_channel<Sample>(picture);
-    int most = 0;
-    for (int y = 0; y < picture.rows; ++y) {
-        const Sample* const row = picture.ptr<Sample>(y) + channel;
-        for (int x = 0; x < picture.cols; ++x) most = std::max<int>(most, row[x * num]);
-    }
-    const int half = (most <= 1     ? 1
-                      : most <= 255 ? 255
-                                    : static_cast<int>(std::numeric_limits<Sample>::max())) /
-                     2;
-    // 4:2:0 pictures lose an odd last row or column, and so do masks
-    out = image::Mask(picture.cols & ~1, picture.rows & ~1);
-    for (int y = 0; y < out.height; ++y) {
-        const Sample* const row = picture.ptr<Sample>(y) + channel;
-        for (int x = 0; x < out.width; ++x) out.row(y)[x] = row[x * num] > half ? 255 : 0;
-    }
 }
 
 }  // namespace
@@ -359,17 +322,10 @@ std::size_t PictureFile::first_picture() const {
 
 Expected<void> PictureFile::read_mask(std::size_t index, image::Mask& out) {
     if (auto read = impl_->read(index, cv::IMREAD_UNCHANGED); !read) return read;
-    const cv::Mat& picture = impl_->decoded;
-    if (picture.depth() == CV_8U) {
-        mask_from<std::uint8_t>(picture, out);
-    } else if (picture.depth() == CV_16U) {
-        mask_from<std::uint16_t>(picture, out);
-    } else {
-        return make_error(
-            ErrorKind::kInvalidData,
-            fmt::format("{}: not a mask: must have 1, 8 or 16 bits per channel", path().string()));
-    }
-    return {};
+    if (mask_from(impl_->decoded, out)) return {};
+    return make_error(
+        ErrorKind::kInvalidData,
+        fmt::format("{}: not a mask: must have 1, 8 or 16 bits per channel", path().string()));
 }
 
 }  // namespace atrium::capture

@@ -55,9 +55,7 @@ public:
     /// Lowest number of a sequence; 0 for a video.
     std::size_t first_picture() const;
 
-    /// Like `read`, for masks of 1, 8 or 16 bits, grey, coloured, with a palette or with alpha.
-    /// Foreground is brighter than half of the brightest value possible; with alpha that varies,
-    /// less than half transparent. Values may also be 0 and 1.
+    /// Like `read`, for masks (mask_values.hpp).
     Expected<void> read_mask(std::size_t index, image::Mask& out);
 
 private:

@@ -1,5 +1,7 @@
 #include "site_node/segmentation/room_watch.hpp"
 
+#include "site_node/segmentation/room_light.hpp"
+
 #include <algorithm>
 #include <bit>
 
@@ -34,6 +36,14 @@ std::optional<RoomWatch::Ghost> RoomWatch::look(const image::YuvView& picture,
     }
     is_done_ = sure.has_value();
     return sure;
+}
+
+std::optional<std::string> RoomWatch::look_at_light(const image::YuvView& picture,
+                                                    std::span<const std::uint16_t> luma) {
+    if (num_other_light_ >= kOtherLight) return std::nullopt;
+    auto doubt = doubt_of_light(luma, picture.y);
+    num_other_light_ = doubt ? num_other_light_ + 1 : 0;
+    return num_other_light_ == kOtherLight ? doubt : std::nullopt;
 }
 
 }  // namespace atrium::segmentation

@@ -7,13 +7,16 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 namespace atrium::segmentation {
 
 /// Watches whether the learned room contains a person: somebody who stood there while it was
 /// learned leaves a ghost, foreground that stays at its place and whose outline has its edge in the
-/// learned room instead of the picture. Somebody who never leaves goes unnoticed.
+/// learned room instead of the picture. Somebody who never leaves goes unnoticed. Also watches
+/// whether the room has the light of the pictures.
 ///
 /// Looks at few pictures, some at the start and then rarely: it costs about as much as segmenting a
 /// picture. Not thread-safe.
@@ -35,12 +38,18 @@ public:
                               const BackgroundStatistics& room,
                               const image::Mask& mask);
 
+    /// Returns what is wrong with the light of the room (room_light.hpp) once kOtherLight looks in
+    /// a row have said so; once. `luma`: the model's current means [1/256].
+    std::optional<std::string> look_at_light(const image::YuvView& picture,
+                                             std::span<const std::uint16_t> luma);
+
     /// Pictures between the first looks, and between later ones.
     static constexpr std::uint32_t kFirstGap = 24;
     static constexpr std::uint32_t kLaterGap = 900;
     static constexpr int kFirstLooks = 10;
     /// Looks with a ghost at one place to be sure, of the last kFirstLooks.
     static constexpr int kSure = 6;
+    static constexpr int kOtherLight = 3;
 
 private:
     // The picture is divided into kGrid x kGrid places. Bit i: a ghost i looks ago.
@@ -50,6 +59,7 @@ private:
     std::uint32_t next_;
     int num_looks_ = 0;
     bool is_done_ = false;
+    int num_other_light_ = 0;  // looks in a row; not counted on once told
     std::array<std::uint16_t, kGrid * kGrid> history_{};
     ComponentScratch scratch_;
 };

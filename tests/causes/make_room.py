@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Writes a recording of a room for the rows of backgrounds.toml: a coloured box before two cameras, as a person who walks about.
 
-    make_room.py FOLDER [--frames N] [--half] [--plate empty|person] [--masks WIDTHxHEIGHT]
+    make_room.py FOLDER [--frames N] [--half] [--plate empty|person|dark] [--masks WIDTHxHEIGHT]
 
---half halves width and height. --plate writes background.png: of the empty room, or with somebody in it. --masks writes silhouettes of this size.
+--half halves width and height. --plate writes background.png: of the empty room, with somebody in it, or in a quarter of the light. --masks writes silhouettes of this size.
 """
 
 import argparse
@@ -41,7 +41,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("folder")
     parser.add_argument("--frames", type=int, default=1)
-    parser.add_argument("--plate", choices=["empty", "person"])
+    parser.add_argument("--plate", choices=["empty", "person", "dark"])
     parser.add_argument("--half", action="store_true")
     parser.add_argument("--masks")
     options = parser.parse_args()
@@ -64,7 +64,10 @@ def main():
                 os.link(os.path.join(folder, "frames", f"{i % len(pictures):06}.png"), path)
         if options.plate:
             left = PLATE_PLACE if options.plate == "person" else None
-            write_png(os.path.join(folder, "background.png"), picture(left, scale), 3)
+            plate = picture(left, scale)
+            if options.plate == "dark":
+                plate = [bytes(value // 4 for value in row) for row in plate]
+            write_png(os.path.join(folder, "background.png"), plate, 3)
         if options.masks:
             width, height = map(int, options.masks.split("x"))
             os.makedirs(os.path.join(folder, "silhouettes"))

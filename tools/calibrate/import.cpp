@@ -257,7 +257,7 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     append(report.told, conclusion->told);
     append(report.checks, conclusion->checks);
     append(report.problems, conclusion->problems);
-    if (const RoomDoubt doubt = look_for_people_in_rooms(*material); !doubt.text.empty())
+    for (const RoomDoubt& doubt : doubt_rooms(*material))
         (doubt.is_in_most_cameras ? report.problems : report.checks).push_back(doubt.text);
     const double rate_hz = conclusion->rig.rate_hz;
     if (!options.has_rate && material->rate_hz > 0.0)

@@ -92,6 +92,67 @@ TEST_F(ImportedMasks, InTheFolderOfThePictures) {
     expect_masks(3);
 }
 
+// Programs that find people add words of their own.
+TEST_F(ImportedMasks, WithWordsBehindTheirNumbers) {
+    const auto with_word = [](const char* word, int camera, int i) {
+        return fmt::format("cam{}/{:04}{}.png", camera, i, word);
+    };
+    for (const char* word : {"_person", "_pred", "-alpha", "_out"}) {
+        for (int camera = 1; camera <= 3; ++camera) {
+            for (int i = 0; i < 3; ++i) {
+                test::write_picture(take(with_word("", camera, i)), 64, 48, 40);
+                write_mask(take(with_word(word, camera, i)), i);
+            }
+        }
+        options_.output = folder_.path() / (std::string("made") + word);
+        expect_masks(3);
+        fs::remove_all(options_.recording);
+    }
+    write_frames(0, 3);
+    for (const char* word : {"_labelIds", "_0", "_anything_at_all"}) {
+        options_.masks = folder_.path() / (std::string("segmented") + word);
+        for (int camera = 1; camera <= 3; ++camera)
+            for (int i = 0; i < 3; ++i) write_mask(options_.masks / with_word(word, camera, i), i);
+        options_.output = folder_.path() / (std::string("made") + word);
+        expect_masks(3);
+    }
+}
+
+TEST_F(ImportedMasks, InFoldersOfSeveralResults) {
+    write_frames(0, 3);
+    options_.masks = folder_.path() / "matted";
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i) {
+            const auto result = options_.masks / fmt::format("cam{}", camera);
+            write_mask(result / fmt::format("pha/{:04}.png", i), i);
+            test::write_picture(result / fmt::format("com/{:04}.png", i), 64, 48, 90);
+        }
+    }
+    expect_masks(3);
+}
+
+TEST_F(ImportedMasks, ThatShowNobodyAreTold) {
+    write_frames(0, 3);
+    options_.masks = folder_.path() / "segmented";
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 3; ++i)
+            test::write_picture(
+                options_.masks / fmt::format("cam{}/{:04}.png", camera, i), 64, 48, 0);
+    }
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(
+        report->problems,
+        Contains(AllOf(HasSubstr("none of 9 that were looked at"), HasSubstr("cam1/0000.png"))));
+    // a person cut out on black
+    cv::Mat cut_out(48, 64, CV_8UC3, cv::Scalar(0, 0, 0));
+    for (int y = 0; y < 40; ++y) cut_out(cv::Rect(20, y, 20, 1)) = cv::Scalar(40 + y, 90, 3 * y);
+    ASSERT_TRUE(cv::imwrite((options_.masks / "cam2/0000.png").string(), cut_out));
+    options_.output = folder_.path() / "second";
+    EXPECT_THAT(import(options_).error().message,
+                AllOf(HasSubstr("cam2/0000.png"), HasSubstr("a picture in colours, not a mask")));
+}
+
 TEST_F(ImportedMasks, OfVideosCountFromTheFirst) {
     options_.masks = folder_.path() / "masks";
     for (int camera = 1; camera <= 3; ++camera) {

@@ -56,6 +56,20 @@ TEST_F(ImportedRoom, WithAPersonInOneCameraIsACheck) {
                        HasSubstr("--segmentation.background_from people"))));
 }
 
+TEST_F(ImportedRoom, InOtherLightIsAProblem) {
+    for (int camera = 1; camera <= 3; ++camera) {
+        write_take(camera);
+        write(take(fmt::format("empty/cam{}.png", camera)), picture(std::nullopt) / 4);
+    }
+    EXPECT_THAT(
+        imported().problems,
+        Contains(AllOf(HasSubstr("people cannot be told reliably from the empty room: that of "
+                                 "'cam1' is 3.9 times darker than the pictures (" +
+                                 take("empty/cam1.png").string()),
+                       HasSubstr("that of 'cam3'"),
+                       HasSubstr("--segmentation.background_from people"))));
+}
+
 TEST_F(ImportedRoom, WithAPersonInMostCamerasIsAProblem) {
     for (int camera = 1; camera <= 3; ++camera) {
         write_take(camera);

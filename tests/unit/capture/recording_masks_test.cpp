@@ -61,6 +61,10 @@ TEST_F(MasksOnDisk, ReadsMasksOfEveryKind) {
         half(CV_8UC1, 255, 0),
         half(CV_8UC1, 1, 0),
         half(CV_8UC1, 128, 127),
+        half(CV_8UC1, 24, 0),  // numbers of people or kinds
+        half(CV_16UC1, 3, 0),
+        half(CV_8UC3, {0, 0, 128}, {0, 0, 0}),  // a palette
+        half(CV_8UC4, {0, 0, 128, 255}, {0, 0, 0, 255}),
         half(CV_16UC1, 65535, 0),
         half(CV_16UC1, 255, 0),
         half(CV_16UC1, 1, 0),
@@ -87,6 +91,25 @@ TEST_F(MasksOnDisk, ReadsMasksOfEveryKind) {
     image::Mask mask;
     ASSERT_TRUE(file->read_mask(0, mask));
     EXPECT_EQ(std::count(mask.data.begin(), mask.data.end(), 255), kMaskWidth * kMaskHeight / 2);
+}
+
+// A palette of two people, and a faint mask with a soft outline, which is nobody for sure.
+TEST_F(MasksOnDisk, TellsNumbersFromShades) {
+    const auto num_people = [&](const cv::Mat& picture) {
+        write("masks/000000.png", picture);
+        image::Mask mask;
+        auto file = PictureFile::find(folder_, "masks");
+        EXPECT_TRUE(file && file->read_mask(0, mask));
+        return std::count(mask.data.begin(), mask.data.end(), 255);
+    };
+    cv::Mat two = half(CV_8UC3, {0, 0, 128}, {0, 0, 0});
+    two(cv::Rect(kMaskWidth / 2, 0, kMaskWidth / 2, kMaskHeight / 2)) = cv::Scalar(0, 128, 0);
+    EXPECT_EQ(num_people(two), kMaskWidth * kMaskHeight * 3 / 4);
+    cv::Mat numbers = half(CV_8UC1, 1, 0);
+    for (int i = 0; i < 8; ++i) numbers.at<std::uint8_t>(0, i) = static_cast<std::uint8_t>(i + 1);
+    EXPECT_EQ(num_people(numbers), kMaskWidth * kMaskHeight / 2);
+    numbers.at<std::uint8_t>(0, 8) = 9;
+    EXPECT_EQ(num_people(numbers), 0);
 }
 
 TEST_F(MasksOnDisk, NamesTheCureForMasksOfAnotherSize) {

@@ -52,6 +52,8 @@ Expected<void> Gatherer::gather_masks() {
         report_truncated(camera + "', masks", doubt_of_truncation(shots));
     if (auto fitting = check_mask_sizes(material_); !fitting) return fitting;
     if (auto right = check_mask_values(material_, folders_.invert_masks); !right) return right;
+    if (std::string doubt = doubt_of_empty_masks(material_, folders_.invert_masks); !doubt.empty())
+        problem(std::move(doubt));
     return align_masks();
 }
 

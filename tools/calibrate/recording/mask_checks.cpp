@@ -1,10 +1,14 @@
 #include "tools/calibrate/recording/mask_checks.hpp"
 
 #include "site_node/capture/mask_file.hpp"
+#include "site_node/capture/mask_values.hpp"
 #include "site_node/capture/picture_file.hpp"
 #include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
 
 namespace atrium::calibrate {
 
@@ -75,7 +79,27 @@ Expected<image::Mask> read_mask(const std::filesystem::path& file, bool inverted
     return mask;
 }
 
+namespace {
+
+Expected<void> check_colours(const Material& material) {
+    for (const auto& [camera, shots] : material.masks) {
+        const std::string file = shots.pictures.begin()->second.string();
+        const cv::Mat picture = cv::imread(file, cv::IMREAD_UNCHANGED);
+        if (!capture::is_in_colours(picture)) continue;
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("masks: {} is a picture in colours, not a mask: people must be white on "
+                        "black, or the rest transparent. Give the folder of the masks with "
+                        "--masks, or write cut-outs as PNG with alpha",
+                        file));
+    }
+    return {};
+}
+
+}  // namespace
+
 Expected<void> check_mask_values(const Material& material, bool inverted) {
+    if (auto right = check_colours(material); !right) return right;
     for (const auto& [camera, shots] : material.masks) {
         const auto mask = read_mask(shots.pictures.begin()->second, inverted);
         if (!mask) return tl::unexpected(mask.error());
@@ -93,6 +117,31 @@ Expected<void> check_mask_values(const Material& material, bool inverted) {
                                "borders of the pictures, but people must be white: say "
                                "--invert-masks, and import again",
                                example));
+}
+
+std::string doubt_of_empty_masks(const Material& material, bool inverted) {
+    constexpr std::size_t kMostMasks = 6;
+    std::size_t num_read = 0;
+    for (const auto& [camera, shots] : material.masks) {
+        std::size_t at = 0;
+        std::size_t num_of_camera = 0;
+        for (const auto& [number, file] : shots.pictures) {
+            // spread over all
+            if (at++ * kMostMasks < num_of_camera * shots.pictures.size()) continue;
+            ++num_of_camera;
+            const auto mask = read_mask(file, inverted);
+            if (!mask) continue;  // told elsewhere
+            ++num_read;
+            if (std::ranges::find(mask->data, std::uint8_t{255}) != mask->data.end()) return {};
+        }
+    }
+    if (num_read == 0) return {};
+    return fmt::format(
+        "masks: none of {} that were looked at shows anybody (for example {}): people must be "
+        "brighter than half of the largest value, or have another number than 0 where a mask has "
+        "at most eight (docs/backgrounds.md)",
+        num_read,
+        material.masks.begin()->second.pictures.begin()->second.string());
 }
 
 std::string why_masks_need_pictures(const Shots& masks) {

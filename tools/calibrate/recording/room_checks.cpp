@@ -1,14 +1,17 @@
 #include "tools/calibrate/recording/room_checks.hpp"
 
 #include "site_node/capture/picture_file.hpp"
+#include "site_node/segmentation/room_light.hpp"
 #include "site_node/segmentation/steady_picture.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/videoio.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace atrium::calibrate {
@@ -16,6 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kLearnFromPeople =
+    "let the site learn it from the take: site_node --segmentation.background_from people "
+    "(docs/backgrounds.md)";
 constexpr std::size_t kMostPictures = 24;
 constexpr std::size_t kFewestPictures = 8;  // in fewer, a person who walks hides the room too often
 // Of the videos of all cameras together: 146 frames each of eight cameras of 1 MP. Two cores decode
@@ -69,18 +75,25 @@ std::vector<image::YuvImage> read_some(const Shots& shots, std::size_t max_decod
     return pictures;
 }
 
-std::optional<segmentation::RoomGhost> find_ghost(const Shots& frames,
-                                                  const Shots& room,
-                                                  std::size_t max_decoded) {
+// What a camera's pictures of the empty room and of the take say together.
+struct RoomFinding {
+    std::optional<segmentation::RoomGhost> ghost;
+    std::optional<std::string> light;
+};
+
+RoomFinding compare_room(const Shots& frames, const Shots& room, std::size_t max_decoded) {
     const std::vector<image::YuvImage> take = read_some(frames, max_decoded);
-    if (take.size() < kFewestPictures) return std::nullopt;
+    if (take.size() < kFewestPictures) return {};
     segmentation::BackgroundLearner learner;
     for (const image::YuvImage& picture : read_some(room, max_decoded))
-        if (!learner.add(picture)) return std::nullopt;
+        if (!learner.add(picture)) return {};
     const auto learned = learner.finish();
     if (!learned || learned->width != take[0].width() || learned->height != take[0].height())
-        return std::nullopt;
-    return segmentation::find_ghost(*learned, segmentation::find_steady_picture(take), {});
+        return {};
+    const segmentation::SteadyPicture steady = segmentation::find_steady_picture(take);
+    if (auto light = segmentation::doubt_of_light(learned->luma, steady.picture.y))
+        return {std::nullopt, std::move(light)};
+    return {segmentation::find_ghost(*learned, steady, {}), std::nullopt};
 }
 
 fs::path shown_file(const Shots& shots) {
@@ -89,35 +102,50 @@ fs::path shown_file(const Shots& shots) {
 
 }  // namespace
 
-RoomDoubt look_for_people_in_rooms(const Material& material) {
+std::vector<RoomDoubt> doubt_rooms(const Material& material) {
     if (!material.masks.empty()) return {};
-    std::string places;
-    std::size_t num_found = 0;
+    std::vector<std::string> ghosts;
+    std::vector<std::string> lights;
     for (const auto& [camera, room] : material.backgrounds) {
         const Look& look = material.looks.at(camera);
         const std::size_t pixels = static_cast<std::size_t>(look.width) *
                                    static_cast<std::size_t>(look.height) *
                                    material.backgrounds.size();
-        const auto ghost = find_ghost(
+        const RoomFinding found = compare_room(
             material.frames.at(camera),
             room,
             std::max(kMaxDecodedPixels / std::max<std::size_t>(pixels, 1), kMostPictures));
-        if (!ghost) continue;
-        places += fmt::format("{}'{}' at ({}, {}) of {}",
-                              num_found == 0 ? "" : ", ",
-                              camera,
-                              ghost->x,
-                              ghost->y,
-                              shown_file(room).string());
-        ++num_found;
+        const std::string file = shown_file(room).string();
+        if (found.ghost) {
+            ghosts.push_back(fmt::format(
+                "'{}' at ({}, {}) of {}", camera, found.ghost->x, found.ghost->y, file));
+        }
+        if (found.light)
+            lights.push_back(fmt::format("that of '{}' {} ({})", camera, *found.light, file));
     }
-    if (num_found == 0) return {};
-    return {fmt::format("background: the empty room seems to show a person, or a thing that has "
-                        "gone since: {}. People get holes and ghosts there. Film the empty room "
-                        "again without anybody, or let the site learn it from the take: site_node "
-                        "--segmentation.background_from people (docs/backgrounds.md)",
-                        places),
-            2 * num_found > material.frames.size()};
+    std::vector<RoomDoubt> doubts;
+    const auto is_most = [&](const std::vector<std::string>& places) {
+        return 2 * places.size() > material.frames.size();
+    };
+    if (!ghosts.empty()) {
+        doubts.push_back(
+            {fmt::format("background: the empty room seems to show a person, or a thing that has "
+                         "gone since: {}. People get holes and ghosts there. Film the empty room "
+                         "again without anybody, or {}",
+                         fmt::join(ghosts, ", "),
+                         kLearnFromPeople),
+             is_most(ghosts)});
+    }
+    if (!lights.empty()) {
+        doubts.push_back(
+            {fmt::format(
+                 "background: people cannot be told reliably from the empty room: {}. Film the "
+                 "empty room with the light and the exposure of the recording, or {}",
+                 fmt::join(lights, ", "),
+                 kLearnFromPeople),
+             is_most(lights)});
+    }
+    return doubts;
 }
 
 }  // namespace atrium::calibrate

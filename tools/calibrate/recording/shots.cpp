@@ -3,6 +3,7 @@
 #include "core/base/looked_up.hpp"
 #include "core/base/readable.hpp"
 #include "tools/calibrate/names/name_parts.hpp"
+#include "tools/calibrate/recording/picture_names.hpp"
 
 #include <fmt/format.h>
 
@@ -38,13 +39,23 @@ const std::set<std::string> kBackgrounds{"background",
 const std::set<std::string> kStatics{"static"};
 const std::set<std::string> kMasks{"mask",
                                    "masks",
+                                   "labelids",
                                    "matte",
                                    "mattes",
+                                   "matting",
+                                   "pha",
                                    "seg",
                                    "segmentation",
                                    "segmentations",
                                    "silhouette",
                                    "silhouettes"};
+
+// Names of masks only beside pictures whose names lack the word: a camera may be called so.
+const std::set<std::string> kMasksBesidePictures{
+    "alpha", "alphas", "annotation", "annotations", "binary", "fg",         "foreground",
+    "gt",    "human",  "id",         "ids",         "label",  "labels",     "masked",
+    "out",   "output", "outputs",    "people",      "person", "prediction", "predictions",
+    "pred",  "preds",  "sam",        "sam2",        "subject"};
 
 bool has_suffix(const fs::path& file, std::span<const char* const> suffixes) {
     const std::string suffix = lower(file.extension().string());
@@ -60,11 +71,6 @@ bool has_word_of(const std::set<std::string>& words, const std::string& label) {
     return false;
 }
 
-struct Numbered {
-    std::string prefix;
-    std::size_t number = 0;
-};
-
 // "0001_mask" -> "0001", and "0001.jpg", as COLMAP names the mask of that picture.
 std::string without_word_for_mask(const std::string& whole) {
     const std::string stem = has_suffix(whole, kPictures) ? fs::path(whole).stem().string() : whole;
@@ -75,17 +81,17 @@ std::string without_word_for_mask(const std::string& whole) {
     return begin == 0 ? stem : stem.substr(0, begin);
 }
 
-// "cam1_000012" -> "cam1", 12. Without a number: the stem, 0.
-Numbered split_number(const std::string& whole) {
-    const std::string stem = without_word_for_mask(whole);
-    std::size_t begin = stem.size();
-    while (begin > 0 && std::isdigit(static_cast<unsigned char>(stem[begin - 1])) != 0) --begin;
-    const std::string digits = stem.substr(begin);
-    std::string prefix = stem.substr(0, begin);
-    while (!prefix.empty() && std::isalnum(static_cast<unsigned char>(prefix.back())) == 0)
-        prefix.pop_back();
-    if (digits.empty() || digits.size() > 18) return {whole, 0};
-    return {prefix, static_cast<std::size_t>(std::stoull(digits))};
+// A sequence in a folder of several: its pictures have the same words before and after the number.
+struct Sequence {
+    std::string prefix;
+    std::string tail;
+    bool is_mask = false;
+    auto operator<=>(const Sequence&) const = default;
+};
+
+bool have_a_number_in_common(const Shots& a, const Shots& b) {
+    return std::ranges::any_of(
+        a.pictures, [&](const auto& picture) { return b.pictures.contains(picture.first); });
 }
 
 class Search {
@@ -97,6 +103,7 @@ public:
 
     Expected<std::vector<Shots>> run() {
         if (auto walked = walk(root_, 0); !walked) return tl::unexpected(walked.error());
+        find_masks_beside_pictures();
         std::ranges::sort(found_, {}, &Shots::label);
         return std::move(found_);
     }
@@ -112,6 +119,20 @@ private:
         shots.is_background = is_room || shots.is_static;
         shots.is_mask = shots.is_mask || has_masks_only_ || has_word_of(kMasks, shots.label);
         found_.push_back(std::move(shots));
+    }
+
+    // cam1_pred.mp4 beside cam1.mp4, and the folder cam1/pred
+    void find_masks_beside_pictures() {
+        std::set<std::vector<std::string>> names;
+        for (const Shots& shots : found_)
+            if (!shots.is_mask) names.insert(tokens(shots.label));
+        for (Shots& shots : found_) {
+            std::vector<std::string> words = tokens(shots.label);
+            const std::size_t num_words = words.size();
+            while (!words.empty() && kMasksBesidePictures.contains(words.back())) words.pop_back();
+            if (words.size() < num_words && !words.empty() && names.contains(words))
+                shots.is_mask = true;
+        }
     }
 
     Expected<void> walk(const fs::path& folder, int depth) {
@@ -145,23 +166,35 @@ private:
 
     // A folder is the sequence of one camera, or of one camera per prefix; or has one picture each.
     void add_pictures(const fs::path& folder, const std::vector<fs::path>& pictures) {
+        std::vector<std::string> names;
+        for (const fs::path& picture : pictures)
+            names.push_back(without_word_for_mask(picture.stem().string()));
+        const std::vector<PictureName> split = split_names(names);
         // masks may lie beside their pictures: 0001.png, 0001_mask.png
-        std::map<std::pair<std::string, bool>, Shots> by_prefix;
+        std::map<Sequence, Shots> sequences;
         std::set<std::string> prefixes;
-        for (const fs::path& picture : pictures) {
-            const std::string stem = picture.stem().string();
-            const Numbered numbered = split_number(stem);
+        std::set<std::string> tails;
+        for (std::size_t i = 0; i < pictures.size(); ++i) {
+            const std::string stem = pictures[i].stem().string();
             const bool is_mask = has_word_of(kMasks, stem) || has_suffix(stem, kPictures);
-            by_prefix[{numbered.prefix, is_mask}].pictures[numbered.number] = picture;
-            prefixes.insert(numbered.prefix);
+            const Sequence of{split[i].prefix, split[i].tail, is_mask};
+            sequences[of].pictures[split[i].number] = pictures[i];
+            prefixes.insert(of.prefix);
+            tails.insert(of.tail);
         }
-        for (auto& [key, shots] : by_prefix) {
-            const auto& [prefix, is_mask] = key;
+        for (auto& [of, shots] : sequences) {
+            const auto plain = sequences.find({of.prefix, "", false});
+            const bool is_beside = !of.tail.empty() && has_word_of(kMasksBesidePictures, of.tail) &&
+                                   plain != sequences.end() &&
+                                   have_a_number_in_common(shots, plain->second);
+            const std::string name =
+                of.prefix + (tails.size() > 1 && !is_beside ? of.tail : std::string());
             shots.path = folder;
-            shots.is_mask = is_mask;
-            shots.label = label_of(prefixes.size() > 1 ? folder / prefix : folder);
-            if (prefixes.size() == 1 && names_empty_room(prefix))
-                shots.label = label_of(folder / prefix);
+            shots.is_mask = of.is_mask || is_beside;
+            const bool is_one_of_several = prefixes.size() > 1 || (tails.size() > 1 && !is_beside);
+            shots.label = label_of(is_one_of_several && !name.empty() ? folder / name : folder);
+            if (prefixes.size() == 1 && names_empty_room(of.prefix))
+                shots.label = label_of(folder / of.prefix);
             add(shots);
         }
         if (pictures.size() > kMaxAlone) return;

@@ -1,0 +1,108 @@
+#include "site_node/segmentation/room_light.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace atrium::segmentation {
+namespace {
+
+constexpr int kStep = 16;  // from place to place [px]
+constexpr std::size_t kFewestPlaces = 8;
+constexpr double kSmallestLuma = 8.0;  // for ratios: below it all is noise
+// By so much half of the places may brighten or darken: more than SegmentationOptions::
+// max_gain_change compensates, and the rest of the light then counts as highlight or shadow.
+constexpr double kMostBrighter = 1.35;
+constexpr double kMostDarker = 1.35;
+// What no shadow and no highlight explains, whatever half of the places do.
+constexpr double kBrightestSurface = 2.2;
+constexpr double kDarkestSurface = 3.5;
+constexpr double kLumaNoise = 8.0;
+constexpr double kMostOther = 0.6;  // of the places
+constexpr double kPlainRange = 6.0;
+constexpr double kRichRange = 24.0;
+constexpr double kNearLuma = 12.0;
+constexpr double kFewNear = 1.0 / 3.0;  // of the places
+
+struct Places {
+    std::vector<double> room;  // [grey levels]
+    std::vector<double> picture;
+};
+
+Places sample(std::span<const std::uint16_t> room_luma, const image::PlaneView& picture) {
+    Places places;
+    for (int y = kStep / 2; y + 1 < picture.height; y += kStep) {
+        for (int x = kStep / 2; x + 1 < picture.width; x += kStep) {
+            const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+                            static_cast<std::size_t>(x);
+            const auto below = at + static_cast<std::size_t>(picture.width);
+            places.room.push_back(
+                (room_luma[at] + room_luma[at + 1] + room_luma[below] + room_luma[below + 1]) /
+                1024.0);
+            places.picture.push_back((picture.at(x, y) + picture.at(x + 1, y) +
+                                      picture.at(x, y + 1) + picture.at(x + 1, y + 1)) /
+                                     4.0);
+        }
+    }
+    return places;
+}
+
+double quantile(std::vector<double> values, double share) {
+    const auto at = values.begin() +
+                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::ranges::nth_element(values, at);
+    return *at;
+}
+
+// Without the tenth of the places at either end.
+double range_of(const std::vector<double>& values) {
+    return quantile(values, 0.9) - quantile(values, 0.1);
+}
+
+// No picture of a room, unless most of the pictures show it, as in a room that is plain itself.
+// `ratio`: of the pictures to the room; a dark room has small ranges.
+bool is_plain(const Places& places, double ratio) {
+    if (range_of(places.room) * std::max(ratio, 1.0) >= kPlainRange ||
+        range_of(places.picture) <= kRichRange)
+        return false;
+    double num_near = 0.0;
+    for (std::size_t i = 0; i < places.room.size(); ++i)
+        num_near += std::abs(places.room[i] - places.picture[i]) <= kNearLuma ? 1.0 : 0.0;
+    return num_near < kFewNear * static_cast<double>(places.room.size());
+}
+
+}  // namespace
+
+std::optional<std::string> doubt_of_light(std::span<const std::uint16_t> room_luma,
+                                          const image::PlaneView& picture_luma) {
+    if (room_luma.size() != static_cast<std::size_t>(picture_luma.width) *
+                                static_cast<std::size_t>(picture_luma.height))
+        return std::nullopt;
+    const Places places = sample(room_luma, picture_luma);
+    if (places.room.size() < kFewestPlaces) return std::nullopt;
+    std::vector<double> ratios;
+    double num_other = 0.0;
+    for (std::size_t i = 0; i < places.room.size(); ++i) {
+        const double room = places.room[i];
+        const double picture = places.picture[i];
+        ratios.push_back(std::max(picture, kSmallestLuma) / std::max(room, kSmallestLuma));
+        const bool is_other = picture > kBrightestSurface * room + kLumaNoise ||
+                              kDarkestSurface * picture + kLumaNoise < room;
+        num_other += is_other ? 1.0 : 0.0;
+    }
+    const double ratio = quantile(ratios, 0.5);
+    const bool is_brighter = ratio > kMostBrighter;
+    const bool is_darker = ratio * kMostDarker < 1.0;
+    const bool is_other = num_other > kMostOther * static_cast<double>(places.room.size());
+    if (is_plain(places, ratio))
+        return fmt::format("is one plain grey ({:.0f} of 255)", quantile(places.room, 0.5));
+    if (is_other && !is_brighter && !is_darker) return "shows something else than the pictures";
+    if (is_brighter) return fmt::format("is {:.1f} times darker than the pictures", ratio);
+    if (is_darker) return fmt::format("is {:.1f} times brighter than the pictures", 1.0 / ratio);
+    return std::nullopt;
+}
+
+}  // namespace atrium::segmentation

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "core/image/image.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace atrium::segmentation {
+
+/// Compares the brightness of a picture with that of the empty room, at places spread over both.
+/// Says why people cannot be told from this room if most places differ by more than shadows,
+/// highlights and the compensation of the light explain: "is 4.1 times darker than the pictures",
+/// "is one plain grey (128 of 255)", "shows something else than the pictures". nullopt if they fit,
+/// or for a room of another size than the picture.
+///
+/// `room_luma`: means per pixel [1/256], row by row, as in BackgroundStatistics. Somebody right in
+/// front of the camera also hides most places: ask several pictures.
+std::optional<std::string> doubt_of_light(std::span<const std::uint16_t> room_luma,
+                                          const image::PlaneView& picture_luma);
+
+}  // namespace atrium::segmentation
