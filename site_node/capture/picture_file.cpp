@@ -25,6 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A calibration is of the pixels as the camera took them, whatever orientation a JPEG claims.
+constexpr int kAsStored = cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION;
 constexpr std::array kVideoSuffixes{".avi", ".mp4", ".mkv"};
 constexpr std::array kImageSuffixes{".png", ".jpg", ".jpeg"};
 
@@ -299,12 +301,12 @@ std::optional<PictureSize> PictureFile::size() {
     }
     const auto& [index, file] = *impl_->images.begin();
     if (const auto size = size_in_png(file)) return size;
-    if (!impl_->read(index, cv::IMREAD_COLOR)) return std::nullopt;
+    if (!impl_->read(index, kAsStored)) return std::nullopt;
     return PictureSize{impl_->decoded.cols, impl_->decoded.rows};
 }
 
 Expected<void> PictureFile::read(std::size_t index, image::YuvImage& out) {
-    if (auto read = impl_->read(index, cv::IMREAD_COLOR); !read) return read;
+    if (auto read = impl_->read(index, kAsStored); !read) return read;
     const cv::Mat& bgr = impl_->decoded;
     if (bgr.type() != CV_8UC3 || bgr.cols < 2 || bgr.rows < 2) {
         return make_error(ErrorKind::kInvalidData,

@@ -22,7 +22,8 @@ constexpr double kBrightestSurface = 2.2;
 constexpr double kDarkestSurface = 3.5;
 constexpr double kLumaNoise = 8.0;
 constexpr double kMostOther = 0.6;  // of the places
-constexpr double kPlainRange = 6.0;
+constexpr double kNoiseRange = 2.0;
+constexpr double kPlainRange = 6.0;  // in the light of the pictures
 constexpr double kRichRange = 24.0;
 constexpr double kNearLuma = 12.0;
 constexpr double kFewNear = 1.0 / 3.0;  // of the places
@@ -65,9 +66,9 @@ double range_of(const std::vector<double>& values) {
 // No picture of a room, unless most of the pictures show it, as in a room that is plain itself.
 // `ratio`: of the pictures to the room; a dark room has small ranges.
 bool is_plain(const Places& places, double ratio) {
-    if (range_of(places.room) * std::max(ratio, 1.0) >= kPlainRange ||
-        range_of(places.picture) <= kRichRange)
-        return false;
+    const double range = range_of(places.room);
+    const bool has_content = range >= kNoiseRange && range * std::max(ratio, 1.0) >= kPlainRange;
+    if (has_content || range_of(places.picture) <= kRichRange) return false;
     double num_near = 0.0;
     for (std::size_t i = 0; i < places.room.size(); ++i)
         num_near += std::abs(places.room[i] - places.picture[i]) <= kNearLuma ? 1.0 : 0.0;

@@ -112,6 +112,29 @@ TEST_F(MasksOnDisk, TellsNumbersFromShades) {
     EXPECT_EQ(num_people(numbers), 0);
 }
 
+// A phone on its side writes an orientation; the calibration is of the pixels as they are stored.
+TEST_F(MasksOnDisk, IgnoresTheOrientationOfAJpeg) {
+    const cv::Mat picture(48, 64, CV_8UC3, cv::Scalar(10, 80, 200));
+    std::vector<std::uint8_t> jpeg;
+    ASSERT_TRUE(cv::imencode(".jpg", picture, jpeg));
+    // after the start of the image: EXIF with the single tag 0x0112, orientation 6
+    const std::vector<std::uint8_t> exif{0xff, 0xe1, 0, 34, 'E', 'x', 'i', 'f', 0, 0,    'M', 'M',
+                                         0,    42,   0, 0,  0,   8,   0,   1,   1, 0x12, 0,   3,
+                                         0,    0,    0, 1,  0,   6,   0,   0,   0, 0,    0,   0};
+    jpeg.insert(jpeg.begin() + 2, exif.begin(), exif.end());
+    const cv::Mat turned = cv::imdecode(jpeg, cv::IMREAD_COLOR);
+    ASSERT_EQ(turned.cols, 48) << "the EXIF block is not understood";
+    fs::create_directories(folder_ / "turned");
+    std::ofstream(folder_ / "turned/000000.jpg", std::ios::binary)
+        .write(reinterpret_cast<const char*>(jpeg.data()), std::ssize(jpeg));
+    auto file = PictureFile::find(folder_, "turned");
+    ASSERT_TRUE(file);
+    image::YuvImage read;
+    ASSERT_TRUE(file->read(0, read));
+    EXPECT_EQ(read.width(), 64);
+    EXPECT_EQ(file->size()->width, 64);
+}
+
 TEST_F(MasksOnDisk, NamesTheCureForMasksOfAnotherSize) {
     for (const char* camera : {"a", "b"})
         write(fs::path(camera) / "silhouettes/000000.png", cv::Mat(24, 32, CV_8UC1, cv::Scalar(0)));

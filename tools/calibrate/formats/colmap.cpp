@@ -3,8 +3,10 @@
 #include "tools/calibrate/formats/colmap_model.hpp"
 #include "tools/calibrate/formats/format.hpp"
 #include "tools/calibrate/formats/lens.hpp"
+#include "tools/calibrate/names/name_parts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -83,6 +85,47 @@ std::string without_number(const std::string& stem) {
     return digits < 3 || end == 0 ? stem : stem.substr(0, end);
 }
 
+std::size_t num_different(const std::vector<std::string>& names) {
+    return std::set<std::string>(names.begin(), names.end()).size();
+}
+
+using Parts = std::vector<std::string>;
+
+// "cam1/images", "cam2/rgb/images": what all end with says nothing, nor does "images".
+void drop_common_end(std::vector<Parts>& folders) {
+    const auto all_end_alike = [&] {
+        return std::ranges::all_of(folders, [&](const Parts& parts) {
+            return parts.size() > 1 && parts.back() == folders.front().back();
+        });
+    };
+    for (Parts& parts : folders)
+        if (parts.size() > 1 && parts.back() == "images") parts.pop_back();
+    while (folders.size() > 1 && all_end_alike())
+        for (Parts& parts : folders) parts.pop_back();
+}
+
+// The names of folders: their last parts, or if some are alike, as of head0/left and head1/left,
+// the parts from the first one that differs.
+std::map<std::string, std::string> names_of(const std::set<std::string>& folders) {
+    std::vector<Parts> all;
+    for (const std::string& folder : folders) all.push_back(parts_of(folder));
+    drop_common_end(all);
+    std::set<std::string> last;
+    for (const Parts& parts : all) last.insert(parts.back());
+    const bool is_last_enough = last.size() == all.size();
+    while (!is_last_enough && std::ranges::all_of(all, [&](const Parts& parts) {
+        return parts.size() > 1 && parts.front() == all.front().front();
+    }))
+        for (Parts& parts : all) parts.erase(parts.begin());
+    std::map<std::string, std::string> names;
+    std::size_t i = 0;
+    for (const std::string& folder : folders) {
+        const Parts& parts = all[i++];
+        names[folder] = is_last_enough ? parts.back() : fmt::format("{}", fmt::join(parts, "/"));
+    }
+    return names;
+}
+
 // The camera of each image: its folder if the folders differ, else its name without the number.
 std::vector<std::string> camera_names(const std::vector<ColmapImage>& images) {
     std::vector<std::string> folders;
@@ -94,30 +137,24 @@ std::vector<std::string> camera_names(const std::vector<ColmapImage>& images) {
         stems.push_back(path.stem().string());
         prefixes.push_back(without_number(stems.back()));
     }
-    const auto num_different = [](const std::vector<std::string>& names) {
-        return std::set<std::string>(names.begin(), names.end()).size();
-    };
-    if (num_different(folders) > 1) {
-        // those beside folders, as one picture per camera beside the folder of a phone
-        std::vector<std::string> loose;
-        for (std::size_t i = 0; i < folders.size(); ++i)
-            if (folders[i].empty()) loose.push_back(prefixes[i]);
-        const bool has_prefixes = num_different(loose) > 1;
-        for (std::size_t i = 0; i < folders.size(); ++i) {
-            std::string& folder = folders[i];
-            if (folder.empty()) {
-                folder = has_prefixes ? prefixes[i] : stems[i];
-                continue;
-            }
-            const std::size_t slash = folder.rfind('/');
-            const std::string last = slash == std::string::npos ? folder : folder.substr(slash + 1);
-            // "cam1/images": the last folder says nothing
-            folder =
-                last == "images" && slash != std::string::npos ? folder.substr(0, slash) : last;
+    if (num_different(folders) < 2) return num_different(prefixes) > 1 ? prefixes : stems;
+    // those beside folders, as one picture per camera beside the folder of a phone
+    std::vector<std::string> loose;
+    std::set<std::string> own;
+    for (std::size_t i = 0; i < folders.size(); ++i) {
+        if (folders[i].empty()) {
+            loose.push_back(prefixes[i]);
+        } else {
+            own.insert(folders[i]);
         }
-        return folders;
     }
-    return num_different(prefixes) > 1 ? prefixes : stems;
+    const std::map<std::string, std::string> names = names_of(own);
+    const bool has_prefixes = num_different(loose) > 1;
+    for (std::size_t i = 0; i < folders.size(); ++i) {
+        const auto name = names.find(folders[i]);
+        folders[i] = name != names.end() ? name->second : has_prefixes ? prefixes[i] : stems[i];
+    }
+    return folders;
 }
 
 double farthest(const std::vector<Eigen::Vector3d>& centres) {
