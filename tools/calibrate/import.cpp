@@ -5,11 +5,13 @@
 #include "tools/calibrate/formats/rig_file.hpp"
 #include "tools/calibrate/recording/make_recording.hpp"
 #include "tools/calibrate/recording/room_checks.hpp"
+#include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
+#include <functional>
 #include <string_view>
 
 namespace atrium::calibrate {
@@ -49,6 +51,44 @@ std::vector<std::string> moved(const ForeignRig& rig) {
     for (const ForeignCamera& camera : rig.cameras)
         if (camera.spread > kStillSpread) names.push_back(camera.name);
     return names;
+}
+
+std::vector<std::string> for_markers(const ForeignRig& rig) {
+    std::vector<std::string> names;
+    for (const ForeignCamera& camera : rig.cameras)
+        if (camera.is_for_markers) names.push_back(camera.name);
+    return names;
+}
+
+void report_markers(ForeignRig& rig, const std::function<bool(const std::string&)>& has_pictures) {
+    std::vector<std::string> used;
+    std::vector<std::string> unused;
+    for (const ForeignCamera& camera : rig.cameras) {
+        if (camera.is_for_markers)
+            (has_pictures(camera.name) ? used : unused).push_back(camera.known_name());
+    }
+    if (!unused.empty()) {
+        rig.notes.push_back(fmt::format(
+            "cameras for markers were left out: {}: they have no pictures, and their models "
+            "neither Video nor Hybrid in their names",
+            listed(unused)));
+    }
+    if (!used.empty()) {
+        rig.notes.push_back(fmt::format(
+            "cameras {} have pictures, so they are used, although their models have neither Video "
+            "nor Hybrid in their names",
+            listed(used)));
+    }
+}
+
+// Without pictures only the models tell what a camera is for.
+void drop_markers(ForeignRig& rig) {
+    const std::vector<std::string> markers = for_markers(rig);
+    if (markers.size() == rig.cameras.size()) return;
+    report_markers(rig, [](const std::string& /*name*/) { return false; });
+    keep_cameras(rig, [&](const std::string& name) {
+        return std::ranges::find(markers, name) == markers.end();
+    });
 }
 
 std::vector<std::string> comments(const ForeignRig& foreign,
@@ -176,6 +216,7 @@ Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
          options.has_rate,
          options.invert_masks,
          moved(rig),
+         for_markers(rig),
          walked(rig),
          rig.format == "COLMAP" ? "; if they are cameras of the room, COLMAP did not register "
                                   "them: solve again with more pictures of them"
@@ -183,7 +224,11 @@ Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
          originals_of(rig)});
     if (!material) return material;
     report_walked(rig, material->left_out);
-    keep_cameras(rig, [&](const std::string& name) { return material->frames.contains(name); });
+    const auto has_pictures = [&](const std::string& name) {
+        return material->frames.contains(name);
+    };
+    report_markers(rig, has_pictures);
+    keep_cameras(rig, has_pictures);
     if (auto counted = check_number(rig, options); !counted) return tl::unexpected(counted.error());
     if (auto compared = compare_sizes(rig, *material, options.said); !compared)
         return tl::unexpected(compared.error());
@@ -280,6 +325,7 @@ Expected<ImportReport> import(const ImportOptions& options) {
     auto foreign = read_foreign(*files, options.format, options.cameras);
     if (!foreign) return tl::unexpected(foreign.error());
     if (!options.recording.empty()) return import_recording(*foreign, options);
+    drop_markers(*foreign);
     if (auto counted = check_number(*foreign, options); !counted)
         return tl::unexpected(counted.error());
     report_walked(*foreign, {});

@@ -71,8 +71,8 @@ TEST_F(Mistakes, CamerasForMarkersAreNamed) {
     const auto result = conclude_from("a.qca.txt", text);
     ASSERT_TRUE(result) << result.error().message;
     EXPECT_THAT(result->told,
-                Contains(testing::ContainsRegex(
-                    "cameras for markers, or not active, were left out: .*cam3.*; only models")));
+                Contains(testing::ContainsRegex("cameras that are not active, or for markers "
+                                                "without a calibration, were left out: .*cam3")));
 }
 
 TEST_F(Mistakes, AxesThatAreSaidWronglyAreToBeLeftOut) {

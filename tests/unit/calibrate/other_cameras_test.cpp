@@ -132,5 +132,54 @@ TEST_F(OtherCameras, OneWithPicturesOfOtherInstantsIsLeftOut) {
     EXPECT_FALSE(std::filesystem::exists(options_.output / "cam2"));
 }
 
+// "Oqus 210c" and "Arqus" take pictures and do not say so.
+TEST_F(OtherCameras, UsesCamerasOfAnyModelOfQualisysThatHavePictures) {
+    std::string text = test::qualisys_xml(cameras_);
+    const std::string model = "model=\"Miqus Video\"";
+    ASSERT_NE(text.find(model), std::string::npos);
+    for (std::size_t at = text.find(model); at != std::string::npos; at = text.find(model, at))
+        text.replace(at, model.size(), "model=\"Arqus A9\"");
+    options_.files = {folder_.write("a.qca.txt", text)};
+    for (int camera = 1; camera <= 2; ++camera)
+        test::write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 8);
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->told,
+                AllOf(Contains(AllOf(HasSubstr("'cam1', 'cam2' have pictures"))),
+                      Contains(AllOf(HasSubstr("markers were left out: 'cam3'")))));
+    EXPECT_THAT(report->problems, testing::Not(Contains(HasSubstr("left out"))));
+}
+
+TEST_F(OtherCameras, KnowsCamerasOfColmapByTheFoldersThatDiffer) {
+    const std::string images = test::colmap_images_txt(cameras_, 1.0);
+    folder_.write("model/cameras.txt", test::colmap_cameras_txt(cameras_));
+    options_.files = {folder_.path() / "model"};
+    const std::vector<std::vector<std::string>> layouts{
+        {"cam1/rgb", "cam2/rgb", "cam3/rgb"},
+        {"head0/left", "head0/right", "head1/left"},
+        {"a/cam1/images", "a/cam2/images", "b/cam3/images"},
+    };
+    for (std::size_t layout = 0; layout < layouts.size(); ++layout) {
+        std::string text = images;
+        options_.recording = folder_.path() / fmt::format("take{}", layout);
+        options_.output = folder_.path() / fmt::format("made{}", layout);
+        for (std::size_t camera = 0; camera < 3; ++camera) {
+            const std::string old = fmt::format("cam{}/0001.jpg", camera + 1);
+            const std::string folder = layouts[layout][camera];
+            text.replace(text.find(old), old.size(), folder + "/0001.jpg");
+            for (int i = 0; i < 3; ++i)
+                test::write_picture(take(fmt::format("{}/{:04}.jpg", folder, i)), 64, 48, 40);
+        }
+        folder_.write("model/images.txt", text);
+        options_.said.distance = Said::Distance{
+            layout == 1 ? "head0_left" : "cam1", layout == 1 ? "head0_right" : "cam2", 2.0};
+        const auto report = import(options_);
+        ASSERT_TRUE(report) << report.error().message;
+        const auto source = capture::RecordingSource::open({.folder = options_.output});
+        ASSERT_TRUE(source) << source.error().message;
+        EXPECT_EQ((*source)->rig().cameras.size(), 3U) << layout;
+    }
+}
+
 }  // namespace
 }  // namespace atrium::calibrate

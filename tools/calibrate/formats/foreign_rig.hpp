@@ -19,9 +19,10 @@ struct ForeignCamera {
     geometry::PinholeCamera lens;  // width 0: the file does not say
     bool has_lens = false;
     std::optional<ForeignPose> pose;
-    std::size_t num_images = 1;  // of COLMAP; `pose` is that of the first
-    double spread = 0.0;         // of their places, as a share of the rig's size
-    std::string original = {};   // name in the file if `name` is another one, else empty
+    std::size_t num_images = 1;   // of COLMAP; `pose` is that of the first
+    double spread = 0.0;          // of their places, as a share of the rig's size
+    bool is_for_markers = false;  // by its model; such a camera may still have pictures
+    std::string original = {};    // name in the file if `name` is another one, else empty
 
     /// The name that the user knows.
     const std::string& known_name() const { return original.empty() ? name : original; }

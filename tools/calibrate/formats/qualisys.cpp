@@ -124,6 +124,12 @@ bool is_uncalibrated(const pugi::xml_node& node) {
     return std::string_view(node.attribute("calibrated").value()) == "false";
 }
 
+// Most cameras of Qualisys see markers only. Some models take pictures without saying so.
+bool is_marker_model(std::string_view model) {
+    return !model.empty() && model != "none" && model.find("Video") == std::string_view::npos &&
+           model.find("Hybrid") == std::string_view::npos;
+}
+
 }  // namespace
 
 Expected<ForeignRig> read_qualisys(const Files& files) {
@@ -132,23 +138,19 @@ Expected<ForeignRig> read_qualisys(const Files& files) {
     rig.documented = {Reading::Pose::kRotationAndPosition, true};
     rig.units = "mm";
     rig.up = "+Z";
-    std::vector<std::string> markers;
+    std::vector<std::string> left_out;
     for (const auto& file : files) {
         pugi::xml_document document;
         if (auto loaded = load_xml(file, document); !loaded) return tl::unexpected(loaded.error());
         for (const pugi::xml_node node :
              document.child("calibration").child("cameras").children("camera")) {
-            // cameras for markers take no pictures that could be imported
-            const std::string model = node.attribute("model").value();
-            const bool is_video = model.empty() || model == "none" ||
-                                  model.find("Video") != std::string::npos ||
-                                  model.find("Hybrid") != std::string::npos;
-            const bool is_used = std::string(node.attribute("active").value()) != "0";
-            if (!is_video || !is_used) {
-                markers.emplace_back(node.attribute("serial").value());
+            if (std::string_view(node.attribute("active").value()) == "0") {
+                left_out.emplace_back(node.attribute("serial").value());
                 continue;
             }
+            const bool is_for_markers = is_marker_model(node.attribute("model").value());
             if (is_uncalibrated(node)) {
+                if (is_for_markers) continue;
                 rig.problems.push_back(fmt::format(
                     "camera '{}' is not calibrated (QTM says so): left out; calibrate it in QTM, "
                     "or go on without it: a hull from fewer cameras is thicker",
@@ -156,15 +158,19 @@ Expected<ForeignRig> read_qualisys(const Files& files) {
                 continue;
             }
             auto camera = qualisys_camera(node, file.string(), rig.notes);
+            if (!camera && is_for_markers) {
+                left_out.emplace_back(node.attribute("serial").value());
+                continue;
+            }
             if (!camera) return tl::unexpected(camera.error());
+            camera->is_for_markers = is_for_markers;
             rig.cameras.push_back(std::move(*camera));
         }
     }
-    if (!markers.empty()) {
+    if (!left_out.empty()) {
         rig.notes.push_back(fmt::format(
-            "cameras for markers, or not active, were left out: {}; only models with Video or "
-            "Hybrid in their name take pictures",
-            fmt::join(markers, ", ")));
+            "cameras that are not active, or for markers without a calibration, were left out: {}",
+            fmt::join(left_out, ", ")));
     }
     return rig;
 }

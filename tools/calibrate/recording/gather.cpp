@@ -120,9 +120,11 @@ Expected<void> Gatherer::gather_frames() {
     if (!matches) return tl::unexpected(matches.error());
     material_.frames = std::move(matches->by_camera);
     for (const std::string& camera : matches->missing) {
-        const bool is_optional =
-            std::ranges::find(folders_.optional, camera) != folders_.optional.end();
-        (is_optional ? material_.left_out : material_.missing).push_back(camera);
+        const auto is_one_of = [&](const std::vector<std::string>& names) {
+            return std::ranges::find(names, camera) != names.end();
+        };
+        if (is_one_of(folders_.for_markers)) continue;
+        (is_one_of(folders_.optional) ? material_.left_out : material_.missing).push_back(camera);
     }
     std::vector<std::string> labels;
     for (const Shots& shots : frames_) {
