@@ -88,7 +88,8 @@ void Concluder::read_poses() {
     Reading wanted = foreign_.documented;
     wanted.pose = said_.pose.value_or(wanted.pose);
     wanted.opengl = said_.opengl.value_or(wanted.opengl);
-    ReadingChoice choice = choose_reading(cameras_, poses_, wanted);
+    ReadingChoice choice = choose_reading(cameras_, poses_, wanted, foreign_.has_matrix_poses);
+    const ReadingChoice fitting = choice;
     report_same_poses();
     const bool is_said = said_.pose || said_.opengl;
     if (is_said || foreign_.is_sure_of_poses) choice = {wanted, {}, true, {}};
@@ -126,7 +127,10 @@ void Concluder::read_poses() {
                         "something else; check the calibration, or {}",
                         looking,
                         is_said ? "leave --direction and --axes out, so that they are found out"
-                                : "say --direction and --axes"));
+                        : fitting.is_documented ? "say --direction and --axes"
+                                                : fmt::format("say {}, with which {} do",
+                                                              option_of(fitting.reading),
+                                                              fitting.convergence.num_looking)));
         return;
     }
     for (std::size_t i = 0; i < cameras_.size(); ++i) {

@@ -39,6 +39,7 @@ struct ForeignRig {
     std::string format;  // for messages, for example "Qualisys"
     std::vector<ForeignCamera> cameras;
     bool is_sure_of_poses = false;      // the format leaves no choice of `documented`
+    bool has_matrix_poses = false;      // of 3x4 or 4x4: never a rotation and a position
     Reading documented;                 // what the format's documentation says of poses
     std::string units;                  // that the format prescribes; empty: none
     bool has_scale = true;              // false: lengths have no unit at all

@@ -52,7 +52,7 @@ Expected<Format> guess(const fs::path& file) {
         return Format::kToml;
     } else if (has("distortion_coeffs") && has("camera_model")) {
         return Format::kKalibr;
-    } else if (start == '{' || start == '%' || suffix_of(file) == ".yml" ||
+    } else if (start == '{' || start == '[' || start == '%' || suffix_of(file) == ".yml" ||
                suffix_of(file) == ".yaml") {
         return Format::kOpenCv;
     }

@@ -34,7 +34,7 @@ Expected<ForeignCamera> chain_camera(const Tree& table,
         return wrong(
             fmt::format("camera_model {} is not supported; calibrate with --models "
                         "pinhole-radtan",
-                        model->dump()));
+                        model->dump(-1, ' ', false, Tree::error_handler_t::replace)));
     }
     LensNumbers lens;
     const auto read = [&](const char* key, std::vector<double>& values) {

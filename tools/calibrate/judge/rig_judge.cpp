@@ -104,7 +104,8 @@ std::vector<bool> look_at_one_place(Cameras cameras) {
 
 ReadingChoice choose_reading(Cameras cameras,
                              std::span<const ForeignPose> poses,
-                             const Reading& documented) {
+                             const Reading& documented,
+                             bool are_matrices) {
     std::vector<geometry::CalibratedCamera> read(cameras.begin(), cameras.end());
     std::vector<Convergence> tried;
     for (const Reading& reading : kReadings) {
@@ -116,15 +117,21 @@ ReadingChoice choose_reading(Cameras cameras,
         return static_cast<std::size_t>(std::ranges::find(kReadings, reading) - kReadings.begin());
     };
     const std::size_t as_written = index_of(documented);
+    const auto is_possible = [&](std::size_t i) {
+        return i == as_written || !are_matrices ||
+               kReadings[i].pose != Reading::Pose::kRotationAndPosition;
+    };
     std::size_t best = as_written;
     for (std::size_t i = 0; i < kReadings.size(); ++i) {
         // the documented reading has an advantage; the others have none over each other
         const double needed = best == as_written ? kClearlyBetter : 0.0;
-        if (tried[i].score > tried[best].score + needed && tried[i].num_looking > 1) best = i;
+        if (is_possible(i) && tried[i].score > tried[best].score + needed &&
+            tried[i].num_looking > 1)
+            best = i;
     }
     ReadingChoice choice{kReadings[best], tried[best], best == as_written, {}};
     for (std::size_t i = 0; i < kReadings.size(); ++i) {
-        if (i != best && tried[i].score > tried[best].score - kAboutAsGood)
+        if (i != best && is_possible(i) && tried[i].score > tried[best].score - kAboutAsGood)
             choice.also_possible.push_back(kReadings[i]);
     }
     return choice;

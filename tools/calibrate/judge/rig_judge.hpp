@@ -34,10 +34,12 @@ struct ReadingChoice {
     std::vector<Reading> also_possible;  // fit about as well as `reading`
 };
 /// Finds the reading in which the cameras look at one place: `documented`, unless another one is
-/// clearly better. `cameras` give the lenses, `poses` belong to them.
+/// clearly better. `cameras` give the lenses, `poses` belong to them. `are_matrices`: each pose is
+/// one matrix, so that its vector is no position beside a rotation into the camera.
 ReadingChoice choose_reading(std::span<const geometry::CalibratedCamera> cameras,
                              std::span<const ForeignPose> poses,
-                             const Reading& documented);
+                             const Reading& documented,
+                             bool are_matrices = false);
 
 struct UnitChoice {
     double metres = 0.0;        // of one unit; 0: no unit makes the cameras fit into a room

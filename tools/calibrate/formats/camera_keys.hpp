@@ -1,0 +1,69 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "tools/calibrate/formats/data_tree.hpp"
+
+#include <array>
+#include <filesystem>
+#include <initializer_list>
+#include <map>
+#include <string>
+#include <vector>
+
+/// The keys of one camera in files of named numbers. OpenCV documents what camera_matrix and
+/// distortion mean, but not the keys: these are the usual ones of its samples, ROS, and programs
+/// around it.
+namespace atrium::calibrate {
+
+using Keys = std::initializer_list<const char*>;
+
+/// Values of one camera, from one or more files.
+struct Found {
+    const Tree* matrix = nullptr;
+    const Tree* focal = nullptr;  // a map with numbers of kFocal
+    const Tree* distortion = nullptr;
+    const Tree* coefficients = nullptr;  // a map with k1
+    const Tree* rotation = nullptr;
+    const Tree* translation = nullptr;
+    const Tree* pose = nullptr;
+    const Tree* width = nullptr;
+    const Tree* height = nullptr;
+    const Tree* size = nullptr;
+    const Tree* model = nullptr;
+    std::string where;
+};
+
+/// fx, fy, cx, cy; the principal point has another name in files of RealSense.
+inline constexpr std::array<Keys, 4> kFocal{Keys{"fx"}, {"fy"}, {"cx", "ppx"}, {"cy", "ppy"}};
+
+/// Finds the values of all cameras.
+class CameraKeys {
+public:
+    /// Moves the values of maps such as "intrinsics" and "extrinsics" to the camera that they are
+    /// in, unless it has such values itself.
+    static Tree flattened(Tree tree, int depth = 0);
+
+    /// `tree` must outlive this and be flattened. Error kInvalidData for too many cameras.
+    Expected<void> add(const Tree& tree, const std::filesystem::path& file);
+    /// After the last file: gives poses that are named by two cameras, as "cam2_to_cam1", to the
+    /// first of them.
+    void finish();
+
+    const std::map<std::string, Found>& cameras() const { return cameras_; }
+
+private:
+    Expected<void> add_stereo(const Tree& tree);
+    void add_keys(const Tree& tree, const std::string& suffix, const std::string& name);
+    void add_map(const Tree& tree, const std::string& name, int depth);
+
+    std::map<std::string, Found> cameras_;
+    std::string where_;
+    bool found_some_ = false;  // in this file
+    bool has_stereo_ = false;
+    Tree no_rotation_ = {0.0, 0.0, 0.0};
+};
+
+/// Keys with numbers that mean nothing here, in a file, at most 12, without repetition.
+void add_unknown_keys(const Tree& tree, std::vector<std::string>& unknown);
+
+}  // namespace atrium::calibrate
