@@ -64,6 +64,11 @@ TEST_F(Mistakes, ACameraThatQtmDidNotCalibrateIsLeftOut) {
                 AllOf(HasSubstr("1 cameras found"), HasSubstr("'cam1' is not calibrated")));
 }
 
+TEST_F(Mistakes, Utf16IsNamed) {
+    EXPECT_THAT(error_of("a.xml", std::string("\xFF\xFE<\0c\0", 6)),
+                AllOf(HasSubstr("is text in UTF-16"), HasSubstr("iconv -f UTF-16")));
+}
+
 TEST_F(Mistakes, CamerasForMarkersAreNamed) {
     std::string text = test::qualisys_xml(cameras_);
     const std::size_t third = text.find("serial=\"cam3\"");

@@ -31,6 +31,13 @@ Expected<Format> guess(const fs::path& file) {
     if (is_colmap(file)) return Format::kColmap;
     const auto text = read_bytes(file, kMaxTextBytes);
     if (!text) return tl::unexpected(text.error());
+    if (text->starts_with("\xFF\xFE") || text->starts_with("\xFE\xFF")) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{0}: is text in UTF-16; write a copy in UTF-8, for example "
+                                      "with `iconv -f UTF-16 -t UTF-8 {0} > copy{1}`",
+                                      file.string(),
+                                      file.extension().string()));
+    }
     const auto has = [&](const char* word) { return text->find(word) != std::string::npos; };
     const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");
     const char start = first == std::string::npos ? '\0' : (*text)[first];
