@@ -162,7 +162,14 @@ Expected<SiteReport> SiteOverLink::finish(const Moment& from, const Moment& to) 
     std::set<std::uint64_t> complete;
     std::int64_t newest_ns = 0;
     for (const ShownFrame& frame : report.shown) {
-        report.num_out_of_order += frame.capture_ns <= newest_ns ? 1 : 0;
+        if (frame.capture_ns <= newest_ns) {
+            ++report.num_out_of_order;
+            report.out_of_order += fmt::format(" frame {} captured at {} complete at {} after {};",
+                                               frame.id,
+                                               frame.capture_ns,
+                                               frame.complete_ns,
+                                               newest_ns);
+        }
         newest_ns = std::max(newest_ns, frame.capture_ns);
         complete.insert(frame.id);
         if (frame.complete_ns > from.now_ns && frame.complete_ns <= to.now_ns)

@@ -37,6 +37,7 @@ struct SiteReport {
     std::vector<std::int64_t> published_ns;  // capture times of all, in order
     std::vector<ShownFrame> shown;           // all, in the order of completion
     std::size_t num_out_of_order = 0;        // completed after a newer one; over the whole run
+    std::string out_of_order;                // which ones
     std::vector<double> ages_ms;             // of those that completed in that interval, sorted
     double bytes_per_s = 0.0;                // on the link, from the site, in that interval
     std::int64_t resident_before = 0;        // [B] of the site

@@ -66,7 +66,7 @@ protected:
                     1e-6 * static_cast<double>(report->resident_before),
                     1e-6 * static_cast<double>(report->resident_after));
         EXPECT_GT(report->num_published, 0U);
-        EXPECT_EQ(report->num_out_of_order, 0U) << "an older frame completed after a newer one";
+        EXPECT_EQ(report->num_out_of_order, 0U) << report->out_of_order;
         EXPECT_LT(report->resident_after, report->resident_before + 20'000'000);
         return std::move(*report);
     }

@@ -23,7 +23,12 @@ std::optional<FramePair> Pairing::add(bus::CameraTexture texture) {
     return hand_out_if_complete(site, key);
 }
 
-void Pairing::forget(const std::string& site) { sites_.erase(site); }
+void Pairing::forget(const std::string& site) {
+    const auto found = sites_.find(site);
+    if (found == sites_.end()) return;
+    found->second.pending.clear();
+    found->second.is_gone = true;
+}
 
 std::size_t Pairing::num_pending(const std::string& site) const {
     const auto found = sites_.find(site);
@@ -31,8 +36,14 @@ std::size_t Pairing::num_pending(const std::string& site) const {
 }
 
 Pairing::PendingFrame* Pairing::find_or_add(const std::string& site, const FrameKey& key) {
-    if (sites_.size() >= options_.max_sites && !sites_.contains(site)) return nullptr;
+    if (sites_.size() >= options_.max_sites && !sites_.contains(site)) {
+        const auto gone =
+            std::ranges::find_if(sites_, [](const auto& other) { return other.second.is_gone; });
+        if (gone == sites_.end()) return nullptr;
+        sites_.erase(gone);
+    }
     Site& entry = sites_[site];
+    entry.is_gone = false;
     if (entry.last && key <= *entry.last) {
         if (entry.last->capture_time - key.capture_time <= options_.max_disorder) {
             ++num_late_;

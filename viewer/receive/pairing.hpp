@@ -44,7 +44,8 @@ public:
     std::optional<FramePair> add(bus::SiteMesh mesh);
     std::optional<FramePair> add(bus::CameraTexture texture);
 
-    /// Forgets a site. Its next sample is a new start.
+    /// Forgets what is pending of a site that is gone. When it is back, DDS may deliver its last
+    /// samples once more: they still are late.
     void forget(const std::string& site);
 
     /// Frames dropped incomplete, because a newer one was complete or because too many were
@@ -67,6 +68,7 @@ private:
     struct Site {
         std::optional<FrameKey> last;  // last pair returned
         std::map<FrameKey, PendingFrame> pending;
+        bool is_gone = false;  // makes room for another site
     };
 
     PendingFrame* find_or_add(const std::string& site, const FrameKey& key);

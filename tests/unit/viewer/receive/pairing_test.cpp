@@ -81,12 +81,30 @@ TEST(Pairing, ShowsARestartedSiteThatCountsFromZero) {
     EXPECT_TRUE(sut.add(texture("a", 0, 0, later)));
 }
 
-TEST(Pairing, AcceptsAnyTimeAfterForgettingASite) {
+// DDS may deliver a sample again after it has lost and found its writer.
+TEST(Pairing, ShowsNoFrameTwiceWhenALostSiteIsBack) {
     Pairing sut;
+    EXPECT_FALSE(sut.add(mesh("a", 29, {0})));
     ASSERT_TRUE(sut.add(mesh("a", 30, {})));
-    EXPECT_FALSE(sut.add(mesh("a", 1, {})));
+    EXPECT_FALSE(sut.add(mesh("a", 31, {0})));
     sut.forget("a");
+    EXPECT_EQ(sut.num_pending("a"), 0U);
+    EXPECT_FALSE(sut.add(mesh("a", 30, {})));
+    EXPECT_FALSE(sut.add(texture("a", 31, 0))) << "its mesh was forgotten";
+    EXPECT_TRUE(sut.add(mesh("a", 32, {})));
+    // another program, whose clock is far behind
+    sut.forget("a");
+    EXPECT_TRUE(sut.add(mesh("a", 1, {}, kStartNs - 3'600'000'000'000)));
+}
+
+TEST(Pairing, ASiteThatIsGoneMakesRoom) {
+    Pairing sut({.max_sites = 2});
     EXPECT_TRUE(sut.add(mesh("a", 1, {})));
+    EXPECT_TRUE(sut.add(mesh("b", 1, {})));
+    sut.forget("a");
+    EXPECT_TRUE(sut.add(mesh("c", 1, {})));
+    EXPECT_FALSE(sut.add(mesh("a", 2, {})));
+    EXPECT_TRUE(sut.add(mesh("b", 2, {})));
 }
 
 TEST(Pairing, ClockSetBackDoesNotFreezeTheSite) {
