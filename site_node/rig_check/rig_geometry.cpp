@@ -198,6 +198,12 @@ void check_intrinsics(const geometry::CalibratedCamera& camera, std::vector<Find
 
 }  // namespace
 
+std::vector<Finding> check_lens(const geometry::CalibratedCamera& camera) {
+    std::vector<Finding> findings;
+    check_intrinsics(camera, findings);
+    return findings;
+}
+
 geometry::RigidTransform corrected(const geometry::RigidTransform& camera_from_site,
                                    Misreading misreading) {
     // turns the axes of a camera that looks along -Z, +Y up, into ours

@@ -20,6 +20,10 @@ struct Finding {
 std::vector<Finding> check_rig(std::span<const geometry::CalibratedCamera> cameras,
                                double unit_m = 1.0);
 
+/// The part of check_rig that concerns one camera's intrinsics: focal lengths and principal points
+/// of another unit or picture size.
+std::vector<Finding> check_lens(const geometry::CalibratedCamera& camera);
+
 /// Ways to misread all extrinsics at once.
 enum class Misreading {
     kNone,

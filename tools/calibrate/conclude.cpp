@@ -122,12 +122,12 @@ void Concluder::read_poses() {
                         option_of(wanted)));
     }
     if (2 * num_looking < cameras_.size() + 1) {
-        problem(
-            fmt::format("poses: only {}: the cameras do not look at one room, or the poses mean "
-                        "something else; check the calibration, or {}",
-                        looking,
-                        is_said ? "leave --direction and --axes out, so that they are found out"
-                        : fitting.is_documented ? "say --direction and --axes"
+        problem(fmt::format(
+            "poses: only {}: the cameras do not look at one room, or the poses mean "
+            "something else; check the calibration, or {}",
+            looking,
+            is_said ? "leave --direction and --axes out, so that they are found out"
+            : fitting.reading == choice.reading ? "say --direction and --axes"
                                                 : fmt::format("say {}, with which {} do",
                                                               option_of(fitting.reading),
                                                               fitting.convergence.num_looking)));

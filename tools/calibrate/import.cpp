@@ -2,6 +2,7 @@
 
 #include "core/base/write_check.hpp"
 #include "site_node/capture/recording_source.hpp"
+#include "site_node/rig_check/rig_geometry.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
 #include "tools/calibrate/recording/make_recording.hpp"
 #include "tools/calibrate/recording/room_checks.hpp"
@@ -106,6 +107,18 @@ std::vector<std::string> comments(const ForeignRig& foreign,
 
 void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
     to.insert(to.end(), from.begin(), from.end());
+}
+
+// Usually it is the same with all cameras.
+void check_lenses(const config::Rig& rig, std::vector<std::string>& checks) {
+    std::vector<std::string> doubts;
+    for (const auto& camera : rig.cameras)
+        for (const auto& finding : rig_check::check_lens(camera)) doubts.push_back(finding.text);
+    if (doubts.empty()) return;
+    checks.push_back("lens: " + doubts.front() +
+                     (doubts.size() == 1
+                          ? std::string()
+                          : fmt::format("; and {} more like it", doubts.size() - 1)));
 }
 
 // The size of pictures that exist decides; a calibration of another size is wrong or to be scaled.
@@ -304,6 +317,7 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     append(report.problems, conclusion->problems);
     for (const RoomDoubt& doubt : doubt_rooms(*material))
         (doubt.is_in_most_cameras ? report.problems : report.checks).push_back(doubt.text);
+    check_lenses(conclusion->rig, report.checks);
     const double rate_hz = conclusion->rig.rate_hz;
     if (!options.has_rate && material->rate_hz > 0.0)
         report.told.push_back(fmt::format("rate: {:.4g} Hz, as the videos say", rate_hz));
@@ -336,8 +350,10 @@ Expected<ImportReport> import(const ImportOptions& options) {
         return tl::unexpected(written.error());
     const auto checked = config::load_rig(options.output);
     if (!checked) return tl::unexpected(checked.error());
-    return ImportReport{
+    ImportReport report{
         conclusion->told, conclusion->checks, conclusion->problems, next_commands(options)};
+    check_lenses(conclusion->rig, report.checks);
+    return report;
 }
 
 }  // namespace atrium::calibrate

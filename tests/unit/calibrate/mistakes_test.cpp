@@ -64,6 +64,17 @@ TEST_F(Mistakes, ACameraThatQtmDidNotCalibrateIsLeftOut) {
                 AllOf(HasSubstr("1 cameras found"), HasSubstr("'cam1' is not calibrated")));
 }
 
+TEST_F(Mistakes, RotationVectorsInDegreesAreNamed) {
+    std::string text = test::opencv_xml(cameras_);
+    const std::size_t rotation = text.find("rvec");
+    ASSERT_NE(rotation, std::string::npos);
+    const std::size_t data = text.find("<data>", rotation);
+    ASSERT_NE(data, std::string::npos);
+    text.replace(data, text.find("</data>", data) - data, "<data>118 2 -7");
+    EXPECT_THAT(error_of("a.xml", text),
+                AllOf(HasSubstr("its rotation vector is 118 long"), HasSubstr("in degrees?")));
+}
+
 TEST_F(Mistakes, Utf16IsNamed) {
     EXPECT_THAT(error_of("a.xml", std::string("\xFF\xFE<\0c\0", 6)),
                 AllOf(HasSubstr("is text in UTF-16"), HasSubstr("iconv -f UTF-16")));

@@ -113,6 +113,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
       "core/config/",
       "core/app/",
       "site_node/capture/",
+      "site_node/rig_check/",
       "site_node/segmentation/"}},
     {"tools/calibrate/judge/", {"core/base/", "core/geometry/"}},
     {"tools/demo/", {"core/base/", "core/bus/", "core/config/", "core/app/", "core/status/"}},

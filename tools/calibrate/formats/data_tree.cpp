@@ -135,7 +135,12 @@ Expected<Tree> parse_json(const std::string& text, const std::string& name) {
     try {
         return Tree::parse(text, nullptr, true, true);
     } catch (const std::exception& failure) {
-        return damaged(name, fmt::format("not valid JSON: {}", failure.what()));
+        const bool has_nan = text.find("NaN") != std::string::npos;
+        return damaged(
+            name,
+            fmt::format("not valid JSON: {}{}",
+                        failure.what(),
+                        has_nan ? "; a value is NaN, not a number: calibrate again" : ""));
     }
 }
 

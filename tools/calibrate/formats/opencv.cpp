@@ -47,6 +47,8 @@ std::optional<std::vector<double>> coefficients_in(const Tree& map, const std::s
     return coefficients;
 }
 
+constexpr double kLongestRotation = 6.5;  // [rad], a whole turn
+
 // Whether a size is that of an array, height and width: the principal point is far from the middle
 // of the picture, and in it the other way round.
 bool is_height_first(const LensNumbers& lens) {
@@ -105,6 +107,17 @@ Expected<ForeignCamera> camera_of(const std::string& name,
         }
         if (auto set = set_lens(camera, lens, found.where, notes); !set)
             return tl::unexpected(set.error());
+    }
+    if (found.rotation != nullptr && found.pose == nullptr) {
+        const std::vector<double> vector = numbers(*found.rotation).value_or(std::vector<double>{});
+        const double length =
+            vector.size() == 3 ? std::hypot(vector[0], vector[1], vector[2]) : 0.0;
+        if (length > kLongestRotation) {
+            return wrong(
+                fmt::format("its rotation vector is {:.3g} long, but its length is an "
+                            "angle in radians; is it in degrees?",
+                            length));
+        }
     }
     camera.pose = pose_of(found);
     const bool has_values =
