@@ -19,8 +19,8 @@ namespace atrium::capture {
 ///   that of 8 bits.
 bool mask_from(const cv::Mat& picture, image::Mask& out);
 
-/// True for a picture in natural colours without transparency, such as a person cut out on black: no
-/// brightness tells people from the rest there.
+/// True for a picture in natural colours without transparency, such as a person cut out on black:
+/// no brightness tells people from the rest there.
 bool is_in_colours(const cv::Mat& picture);
 
 }  // namespace atrium::capture
