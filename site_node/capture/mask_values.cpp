@@ -50,22 +50,29 @@ bool is_of_few_colours(const cv::Mat& picture) {
     return has_colour;
 }
 
+// Whether at most kMostNumbers values beside 0 occur; all are small.
+template <typename Sample>
+bool is_of_few_numbers(const cv::Mat& picture, int channel) {
+    const int num = picture.channels();
+    std::array<bool, kLargestByte + 1> occurs{};
+    for (int y = 0; y < picture.rows; ++y) {
+        const Sample* const row = picture.ptr<Sample>(y) + channel;
+        for (int x = 0; x < picture.cols; ++x) occurs[row[x * num]] = true;
+    }
+    return static_cast<std::size_t>(std::count(occurs.begin() + 1, occurs.end(), true)) <=
+           kMostNumbers;
+}
+
 // The largest value that is background.
 template <typename Sample>
 int largest_background(const cv::Mat& picture, int channel) {
     const int num = picture.channels();
     int most = 0;
-    std::array<bool, kLargestByte + 1> occurs{};
     for (int y = 0; y < picture.rows; ++y) {
         const Sample* const row = picture.ptr<Sample>(y) + channel;
-        for (int x = 0; x < picture.cols; ++x) {
-            const int value = row[x * num];
-            most = std::max(most, value);
-            occurs[static_cast<std::size_t>(std::min(value, kLargestByte))] = true;
-        }
+        for (int x = 0; x < picture.cols; ++x) most = std::max<int>(most, row[x * num]);
     }
-    const auto num_values = static_cast<std::size_t>(std::ranges::count(occurs, true));
-    if (most <= kLargestByte / 2 && num_values <= kMostNumbers + 1) return 0;
+    if (most <= kLargestByte / 2 && is_of_few_numbers<Sample>(picture, channel)) return 0;
     const int largest = most <= kLargestByte ? kLargestByte : std::numeric_limits<Sample>::max();
     return largest / 2;
 }
