@@ -17,6 +17,7 @@ constexpr double kSmallestLuma = 8.0;  // for ratios: below it all is noise
 // max_gain_change compensates, and the rest of the light then counts as highlight or shadow.
 constexpr double kMostBrighter = 1.35;
 constexpr double kMostDarker = 1.35;
+constexpr double kLeastDifference = 10.0;  // of half of the places: a dark room is mostly noise
 // What no shadow and no highlight explains, whatever half of the places do.
 constexpr double kBrightestSurface = 2.2;
 constexpr double kDarkestSurface = 3.5;
@@ -85,18 +86,21 @@ std::optional<std::string> doubt_of_light(std::span<const std::uint16_t> room_lu
     const Places places = sample(room_luma, picture_luma);
     if (places.room.size() < kFewestPlaces) return std::nullopt;
     std::vector<double> ratios;
+    std::vector<double> differences;
     double num_other = 0.0;
     for (std::size_t i = 0; i < places.room.size(); ++i) {
         const double room = places.room[i];
         const double picture = places.picture[i];
+        differences.push_back(picture - room);
         ratios.push_back(std::max(picture, kSmallestLuma) / std::max(room, kSmallestLuma));
         const bool is_other = picture > kBrightestSurface * room + kLumaNoise ||
                               kDarkestSurface * picture + kLumaNoise < room;
         num_other += is_other ? 1.0 : 0.0;
     }
     const double ratio = quantile(ratios, 0.5);
-    const bool is_brighter = ratio > kMostBrighter;
-    const bool is_darker = ratio * kMostDarker < 1.0;
+    const double difference = quantile(differences, 0.5);
+    const bool is_brighter = ratio > kMostBrighter && difference > kLeastDifference;
+    const bool is_darker = ratio * kMostDarker < 1.0 && difference < -kLeastDifference;
     const bool is_other = num_other > kMostOther * static_cast<double>(places.room.size());
     if (is_plain(places, ratio))
         return fmt::format("is one plain grey ({:.0f} of 255)", quantile(places.room, 0.5));

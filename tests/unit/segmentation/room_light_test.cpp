@@ -35,6 +35,12 @@ TEST_F(RoomLight, AcceptsWhatSegmentationCompensates) {
     }
 }
 
+// In a dark room the ratios are those of noise.
+TEST_F(RoomLight, AcceptsADarkRoom) {
+    EXPECT_EQ(doubt(plain(240, 160, {14, 128, 128}), plain(240, 160, {21, 128, 128})),
+              std::nullopt);
+}
+
 TEST_F(RoomLight, TellsHowMuchDarkerOrBrighterTheRoomIs) {
     EXPECT_THAT(doubt(in_light(0.25), in_light(1.0)),
                 Optional(HasSubstr("is 4.0 times darker than the pictures")));
