@@ -3,8 +3,6 @@
 #include "world_server/description/model_parts.hpp"
 #include "world_server/description/shared_entries.hpp"
 
-#include <fmt/format.h>
-
 #include <map>
 #include <set>
 #include <string>
@@ -114,15 +112,7 @@ WorldObject read_object(config::TableReader& reader,
         if (key == "mass_kg" && !reader.has(key))
             key = reader.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
         std::string allowed(problem->allowed);
-        if (key == "scale") {
-            const Eigen::Vector3d& s = rigid.size_m;
-            allowed += fmt::format(
-                "; the model is {:.3g} x {:.3g} x {:.3g} m (scale = 0.01 reads centimetres, 0.001 "
-                "millimetres)",
-                s.x(),
-                s.y(),
-                s.z());
-        }
+        if (key == "scale") allowed += "; " + size_advice(rigid.size_m);
         reader.reject(key, allowed);
     }
     return object;

@@ -108,6 +108,15 @@ bool read_model_name(config::TableReader& reader, std::string& model, double& sc
     return true;
 }
 
+std::string size_advice(const Eigen::Vector3d& size_m) {
+    return fmt::format(
+        "the model is {:.3g} x {:.3g} x {:.3g} m (scale = 0.01 reads centimetres, "
+        "0.001 millimetres)",
+        size_m.x(),
+        size_m.y(),
+        size_m.z());
+}
+
 const WorldObject* find_object(const std::vector<WorldObject>& objects, const std::string& name) {
     const auto found = std::ranges::find(objects, name, &WorldObject::name);
     return found == objects.end() ? nullptr : &*found;

@@ -39,6 +39,8 @@ void read_colour(config::TableReader& reader,
 bool read_model_name(config::TableReader& reader, std::string& model, double& scale);
 /// Rejects the file of `model`. If it does not exist, names a file that may be meant.
 void reject_model(config::TableReader& reader, Error error);
+/// Returns the extents of a model, with what `scale` makes of other units.
+std::string size_advice(const Eigen::Vector3d& size_m);
 
 /// Returns the object of that name; null if there is none.
 const WorldObject* find_object(const std::vector<WorldObject>& objects, const std::string& name);

@@ -122,6 +122,28 @@ void read_pins(config::TableReader& table,
     }
 }
 
+void reject_soft(config::TableReader& table,
+                 const SoftObject& object,
+                 const physics::ObjectProblem& problem) {
+    std::string key(problem.field);
+    std::string allowed(problem.allowed);
+    const bool has_model = object.shape == SoftShape::kModel;
+    if (key == "mass_kg" && !table.has(key)) {
+        key = table.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
+        allowed += fmt::format("; its volume of {:.3g} m^3 gives {:.3g} kg: write mass_kg",
+                               physics::volume_m3(object),
+                               object.mass_kg);
+        if (has_model) allowed += ", or see its size: " + size_advice(bounds(object.model).size());
+    }
+    for (const char* instead : {"diameter_m", "length_m"}) {
+        if (key == "size_m" && !table.has(key) && table.has(instead)) key = instead;
+    }
+    if (key == "spacing_m" && !table.has(key))
+        allowed += fmt::format("; the default is {:.2f} m", object.spacing_m);
+    if (key == "scale") allowed += "; " + size_advice(bounds(object.model).size());
+    table.reject(key, allowed);
+}
+
 WorldSoftObject read_soft_object(config::TableReader& table,
                                  const Materials& materials,
                                  const std::vector<WorldObject>& rigid) {
@@ -160,18 +182,7 @@ WorldSoftObject read_soft_object(config::TableReader& table,
         read_pins(table, "tied", holder == nullptr ? 0 : holder->rigid.id, object);
     }
 
-    if (const auto problem = physics::find_problem(object)) {
-        std::string key(problem->field);
-        if (key == "mass_kg" && !table.has(key))
-            key = table.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
-        for (const char* instead : {"diameter_m", "length_m"}) {
-            if (key == "size_m" && !table.has(key) && table.has(instead)) key = instead;
-        }
-        std::string allowed(problem->allowed);
-        if (key == "spacing_m" && !table.has(key))
-            allowed += fmt::format("; the default is {:.2f} m", object.spacing_m);
-        table.reject(key, allowed);
-    }
+    if (const auto problem = physics::find_problem(object)) reject_soft(table, object, *problem);
     return soft;
 }
 

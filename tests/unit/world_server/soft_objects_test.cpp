@@ -5,6 +5,7 @@
 #include "world_server/config.hpp"
 #include "world_server/scene.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -13,6 +14,9 @@
 
 namespace atrium::world_server {
 namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
 
 std::string soft_error_of(const std::string& toml) {
     auto reader = config::TableReader::parse(toml, "w.toml");
@@ -103,8 +107,10 @@ protected:
         std::ofstream(folder_ / name) << text;
     }
     // The text of a world with this [[soft]] of shape model.
-    std::string error_of_model(const std::string& keys, WorldServerConfig& config) const {
-        put("world.toml", "[[soft]]\nname = \"m\"\nshape = \"model\"\nmass_kg = 1\n" + keys);
+    std::string error_of_model(const std::string& keys,
+                               WorldServerConfig& config,
+                               const std::string& mass = "mass_kg = 1\n") const {
+        put("world.toml", "[[soft]]\nname = \"m\"\nshape = \"model\"\n" + mass + keys);
         auto reader = config::TableReader::load(folder_ / "world.toml");
         if (!reader) return reader.error().message;
         read_world(*reader, config);
@@ -138,6 +144,23 @@ TEST_F(SoftModelFile, IsRefusedWithFileLineAndKey) {
     expect_error("model = \"many.obj\"\n", "5: ", "1500 distinct vertices, many.obj has 1601");
     expect_error("model = \"wedge.obj\"\nscale = 0.001\n", "6: ", "scale");
     expect_error("", "1: ", "model");
+}
+
+TEST_F(SoftModelFile, IsBlamedBeforeTheMassOfItsMaterial) {
+    WorldServerConfig config;
+    const auto error_of = [&](const std::string& keys) {
+        return error_of_model(keys, config, "material = \"foam\"\n");
+    };
+    EXPECT_THAT(error_of("model = \"open.obj\"\n"), HasSubstr("5: soft[0].model: must be closed"));
+    EXPECT_THAT(error_of("model = \"inside_out.obj\"\n"), HasSubstr("5: soft[0].model: must face"));
+    EXPECT_THAT(error_of("model = \"wedge.obj\"\nscale = 100\n"),
+                AllOf(HasSubstr("6: soft[0].scale: must make the model reach at most 20 m"),
+                      HasSubstr("the model is 100 x 100 x 100 m (scale = 0.01 reads centim")));
+    EXPECT_THAT(error_of("model = \"wedge.obj\"\nscale = 10\n"),
+                AllOf(HasSubstr("4: soft[0].material: must be 0.001 kg to 100 kg"),
+                      HasSubstr("its volume of 167 m^3 gives 6.67e+03 kg: write mass_kg"),
+                      HasSubstr("the model is 10 x 10 x 10 m (scale")));
+    EXPECT_EQ(error_of("model = \"wedge.obj\"\n"), "");
 }
 
 TEST(SoftConfig, ReadsTheWorldWithTheCurtain) {

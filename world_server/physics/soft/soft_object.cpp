@@ -32,13 +32,20 @@ std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
         }
         for (const Eigen::Vector3d& v : object.model.vertices) {
             if (!(v.cwiseAbs().maxCoeff() <= kMaxSoftSizeM)) {
-                return ObjectProblem{"model", "must be finite and reach at most 20 m"};
+                return ObjectProblem{"scale",
+                                     fmt::format("must make the model reach at most {} m from its "
+                                                 "origin, as a finite number",
+                                                 kMaxSoftSizeM)};
             }
         }
         const geometry::MeshReport report = geometry::inspect(object.model);
-        if (!report.manifold || !(report.volume_m3 > 0.0)) {
-            return ObjectProblem{"model", "must be closed, without holes, and face outwards"};
+        if (!report.manifold) {
+            return ObjectProblem{"model",
+                                 "must be closed, without holes, each edge shared by two triangles "
+                                 "that face the same way"};
         }
+        if (!(report.volume_m3 > 0.0))
+            return ObjectProblem{"model", "must face outwards: it faces inwards, flip its normals"};
         if (report.num_components != 1)
             return ObjectProblem{"model", "must be one closed surface, not several"};
         if ((geometry::bounds(object.model).size().array() < kMinSoftSizeM).any()) {
@@ -115,6 +122,8 @@ std::optional<ObjectProblem> find_problem(const SoftObject& object) {
     if (!(std::abs(pose.rotation.norm() - 1.0) <= 1e-3)) {
         return ObjectProblem{"rotation", "must be a quaternion of length 1"};
     }
+    // before the mass, which may follow from the size
+    if (const auto problem = find_size_problem(object)) return problem;
     if (!is_within(object.mass_kg, 0.001, 100.0)) {
         return ObjectProblem{"mass_kg", "must be 0.001 kg to 100 kg"};
     }
@@ -127,7 +136,6 @@ std::optional<ObjectProblem> find_problem(const SoftObject& object) {
     if (!is_within(object.friction, 0.0, 10.0)) {
         return ObjectProblem{"friction", "must be 0 to 10"};
     }
-    if (const auto problem = find_size_problem(object)) return problem;
     return find_pin_problem(object);
 }
 
