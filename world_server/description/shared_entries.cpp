@@ -16,8 +16,12 @@
 namespace atrium::world_server {
 namespace {
 
-constexpr const char* kFileNames =
-    "must be at most 127 characters of A-Z a-z 0-9 _ . - / and lie in the folder of this file";
+std::string file_names(const config::TableReader& reader) {
+    return fmt::format(
+        "must be at most 127 characters of A-Z a-z 0-9 _ . - / and lie in or below the folder of "
+        "models, {} (world.models)",
+        reader.folder().empty() ? "." : reader.folder().lexically_normal().string());
+}
 
 bool is_picture_name(const std::filesystem::path& file) {
     std::string ending = file.extension().string();
@@ -59,7 +63,7 @@ void read_texture(config::TableReader& reader, std::string& texture) {
     std::string file;
     reader.read("texture", file);
     if (file.empty()) return;
-    if (!bus::is_valid_model_file(file)) return reader.reject("texture", kFileNames);
+    if (!bus::is_valid_model_file(file)) return reader.reject("texture", file_names(reader));
     if (!is_picture_name(file)) return reader.reject("texture", "must be a .png, .jpg or .jpeg");
     const std::filesystem::path path = file_of(reader, file);
     if (const auto readable = check_readable(path); !readable) {
@@ -94,7 +98,7 @@ bool read_model_name(config::TableReader& reader, std::string& model, double& sc
     reader.read("scale", scale, {1e-4, bus::kMaxModelScale});
     if (file.empty()) return false;
     if (!bus::is_valid_model_file(file)) {
-        reader.reject("model", kFileNames);
+        reader.reject("model", file_names(reader));
         return false;
     }
     if (!model::is_model_name(file)) {

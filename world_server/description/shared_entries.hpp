@@ -25,7 +25,7 @@ std::filesystem::path file_of(const config::TableReader& reader, const std::stri
 void read_name(config::TableReader& reader, std::string& name);
 /// Reads `position_m` and `roll_pitch_yaw_deg`: rotations about x, then y, then z of the world.
 void read_pose(config::TableReader& reader, geometry::RigidTransform& world_from_object);
-/// Reads `texture`: an existing picture in the world file's folder (bus::is_valid_model_file).
+/// Reads `texture`: an existing picture in the folder of models (bus::is_valid_model_file).
 void read_texture(config::TableReader& reader, std::string& texture);
 /// Reads `colour`, after `texture` and the colour of `material`. If the table has none of the
 /// three, the colour is that of the model, if its file states one alone. `own_colours`: those of
@@ -34,7 +34,7 @@ void read_colour(config::TableReader& reader,
                  const std::string& texture,
                  std::vector<Eigen::Vector3d>& own_colours,
                  Eigen::Vector3d& colour);
-/// Reads `model`, required, and `scale`: a model in the world file's folder. False if the name is
+/// Reads `model`, required, and `scale`: a model in the folder of models. False if the name is
 /// not valid.
 bool read_model_name(config::TableReader& reader, std::string& model, double& scale);
 /// Rejects the file of `model`. If it does not exist, names a file that may be meant.
