@@ -1,6 +1,7 @@
 #include "world_server/config.hpp"
 
 #include "core/bus/bus_options.hpp"
+#include "core/bus/limits.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -28,7 +29,7 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
     set.add("world.max_objects",
             config.max_objects,
             "maximum number of objects, including added ones",
-            {1, 2048});
+            {1, static_cast<double>(bus::kMaxObjects)});
     set.add("world.state_file",
             config.state_file,
             "state file: saved at the end, restored at the start; empty: none");
@@ -84,15 +85,20 @@ Expected<void> check(const WorldServerConfig& config) {
         return make_error(ErrorKind::kConfiguration, std::move(text));
     };
     if (config.send_hz > config.tick_hz) {
-        return wrong(fmt::format("world.send_hz: must not exceed world.tick_hz ({}), got {}",
+        return wrong(fmt::format("{}world.send_hz: must not exceed world.tick_hz ({}), got {}",
+                                 before(config.rates_at),
                                  config.tick_hz,
                                  config.send_hz));
     }
     if (config.objects.size() > static_cast<std::size_t>(config.max_objects)) {
-        return wrong(
-            fmt::format("world.max_objects: must be at least the {} objects described, got {}",
-                        config.objects.size(),
-                        config.max_objects));
+        return wrong(fmt::format(
+            "{}world.max_objects: must be at least the {} objects described, got {} (default {}, "
+            "at most {})",
+            before(config.max_objects_at.empty() ? config.objects_at : config.max_objects_at),
+            config.objects.size(),
+            config.max_objects,
+            WorldServerConfig{}.max_objects,
+            bus::kMaxObjects));
     }
     const geometry::Aabb box = box_of(config.world);
     for (const WorldObject& object : config.objects) {
@@ -114,9 +120,11 @@ Expected<void> check(const WorldServerConfig& config) {
         }
     }
     if (config.placements.size() > static_cast<std::size_t>(config.max_sites)) {
-        return wrong(fmt::format("world.max_sites: must be at least the {} sites described, got {}",
-                                 config.placements.size(),
-                                 config.max_sites));
+        return wrong(
+            fmt::format("{}world.max_sites: must be at least the {} sites described, got {}",
+                        before(config.max_sites_at),
+                        config.placements.size(),
+                        config.max_sites));
     }
     return {};
 }

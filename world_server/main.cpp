@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
             "its objects.",
         .examples =
             "  world_server --config deploy/worlds/demo.toml\n"
-            "  world_server --config deploy/worlds/playroom.toml --network lan"};
+            "  world_server --config deploy/worlds/playroom.toml --network lan",
+        .check = [&] { return world_server::check(config); }};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             world_server::read_world(reader, config);

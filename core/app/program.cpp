@@ -252,6 +252,10 @@ Start start(const ProgramInfo& info,
             return end_with_error(info.name, set.error());
         set_keys.insert(key);
     }
+    if (info.check) {
+        if (const auto valid = info.check(); !valid)
+            return end_with_error(info.name, valid.error());
+    }
     // debug only: several thousand characters would hide a following error
     log::debug("effective options=\"{}\"", in_one_line(options.effective()));
     const bool only_prints = info.only_prints && info.only_prints();

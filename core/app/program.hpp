@@ -28,6 +28,9 @@ struct ProgramInfo {
     /// start line is then logged at level debug only. Empty: false.
     std::function<bool()> only_prints = {};
     std::string exit_codes = {};  // where they differ from the common ones, for --help
+    /// Called after all options are read, to check them together. Its error ends the program like a
+    /// wrong option. Empty: nothing to check.
+    std::function<Expected<void>()> check = {};
 };
 
 /// Reads the parts of a configuration file that are not plain options, such as tables of objects.

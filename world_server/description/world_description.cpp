@@ -7,9 +7,20 @@
 #include "world_server/description/surroundings.hpp"
 
 namespace atrium::world_server {
+namespace {
+
+std::string place_of_key(const config::TableReader& reader, const std::string& key) {
+    return reader.has(key) ? reader.where(key) : "";
+}
+
+}  // namespace
 
 void read_world(config::TableReader& reader, WorldDescription& description) {
     description.objects_at = reader.where("object");
+    description.rates_at =
+        place_of_key(reader, reader.has("world.send_hz") ? "world.send_hz" : "world.tick_hz");
+    description.max_objects_at = place_of_key(reader, "world.max_objects");
+    description.max_sites_at = place_of_key(reader, "world.max_sites");
     std::filesystem::path models = reader.folder().empty() ? "." : reader.folder();
     reader.read("world.models", models);
     reader.set_folder(models);

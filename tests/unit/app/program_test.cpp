@@ -33,12 +33,15 @@ protected:
         set.add("picture", options_.picture, "to be written", "here.png");
         testing::internal::CaptureStdout();
         testing::internal::CaptureStderr();
-        const Start start =
-            app::start({"program", "Does things.", "", [&] { return options_.loop; }},
-                       set,
-                       static_cast<int>(argv.size()),
-                       argv.data(),
-                       read_more);
+        const Start start = app::start({.name = "program",
+                                        .summary = "Does things.",
+                                        .examples = "",
+                                        .only_prints = [&] { return options_.loop; },
+                                        .check = check_},
+                                       set,
+                                       static_cast<int>(argv.size()),
+                                       argv.data(),
+                                       read_more);
         output_ = testing::internal::GetCapturedStdout();
         errors_ = testing::internal::GetCapturedStderr();
         return start;
@@ -50,6 +53,7 @@ protected:
     }
 
     Options options_;
+    std::function<Expected<void>()> check_;
     std::string output_;
     std::string errors_;
 };
@@ -170,6 +174,18 @@ TEST_F(ProgramStart, ProgramCanReadMoreKeysOfItsFile) {
     EXPECT_TRUE(start_with({"--config", file("extra = 3\n")}, more).go_on);
     EXPECT_EQ(extra, 3);
     EXPECT_EQ(start_with({"--config", file("extra = 9\n")}, more).exit_code, 2);
+}
+
+TEST_F(ProgramStart, EndsWithTheErrorOfItsCheck) {
+    check_ = [&]() -> Expected<void> {
+        if (options_.rate_hz < 100.0) return {};
+        return make_error(ErrorKind::kConfiguration, "rate_hz: too fast");
+    };
+    EXPECT_TRUE(start_with({"--rate_hz", "99"}).go_on);
+    const Start refused = start_with({"--rate_hz", "100"});
+    EXPECT_FALSE(refused.go_on);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_EQ(errors_, "program: error: rate_hz: too fast\n");
 }
 
 }  // namespace

@@ -80,7 +80,12 @@ TEST(WorldConfig, ErrorsNameFileLineKeyAndWhatIsAllowed) {
         std::vector<std::string> named;
     } cases[] = {
         {"[world]\ntick_hz = 5\n", {"world.toml:2", "world.tick_hz", "30", "5"}},
-        {"[world]\nsend_hz = 500\n", {"world.send_hz", "world.tick_hz"}},
+        {"[world]\nsend_hz = 500\n", {"world.toml:2: world.send_hz", "world.tick_hz"}},
+        {"[world]\ntick_hz = 50\n",
+         {"world.toml:2: world.send_hz: must not exceed world.tick_hz (50)"}},
+        {"[world]\nmodels = \"m\"\n[[object]]\nname = \"a\"\nshape = \"convex\"\n"
+         "model = \"../a.obj\"\n",
+         {"world.toml:6", "the folder of models, m (world.models)"}},
         {"[world]\ngravity = [0, 0]\n", {"world.toml:2", "gravity"}},
         {"[world]\nspeed = 1\n", {"world.toml:2", "speed"}},
         {ball + "bounce = 1\n", {"world.toml:6", "bounce"}},
@@ -110,7 +115,15 @@ TEST(WorldConfig, ErrorsNameFileLineKeyAndWhatIsAllowed) {
 TEST(WorldConfig, RefusesTooManyObjects) {
     EXPECT_THAT(error_of(std::string("[world]\nmax_objects = 1\n") + kBall +
                          "[[object]]\nname = \"floor\"\nshape = \"plane\"\n"),
-                HasSubstr("world.max_objects"));
+                HasSubstr("world.toml:2: world.max_objects: must be at least the 2 objects "
+                          "described, got 1 (default 256, at most 2048)"));
+    std::string balls;
+    for (int i = 0; i < 257; ++i) {
+        balls += "[[object]]\nname = \"ball" + std::to_string(i) +
+                 "\"\nshape = \"sphere\"\ndiameter_m = 0.2\nmass_kg = 0.4\n";
+    }
+    EXPECT_THAT(error_of(balls), HasSubstr("world.toml:1: world.max_objects: must be at least the"))
+        << "the file does not set the key";
 }
 
 TEST(WorldConfig, OfEveryDeliveredWorldIsValid) {
