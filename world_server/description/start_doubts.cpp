@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kDeepRigid_m = 0.05;
 constexpr double kNearAnchor_m = 0.1;
+constexpr double kLongArm_m = 1.0;
 
 bool is_plane(const WorldObject& object) {
     return object.rigid.shape == physics::ObjectShape::kPlane;
@@ -139,6 +140,18 @@ void doubt_outside(const WorldDescription& world, std::vector<std::string>& line
     }
 }
 
+// An object that moves, with an anchor farther away than 1 m and its own size. Below the anchor,
+// within 60 degrees, it is a pendulum.
+bool is_held_from_afar(const physics::RigidObject& object,
+                       const Eigen::Vector3d& anchor_m,
+                       const Eigen::Vector3d& gravity) {
+    if (object.mass_kg == 0.0) return false;
+    const double size_m = local_box_of(object).size().maxCoeff();
+    if (distance_m(anchor_m, object) <= std::max(kLongArm_m, size_m)) return false;
+    const Eigen::Vector3d arm = start_box_of(object).centre() - anchor_m;
+    return arm.dot(gravity) <= 0.5 * arm.norm() * gravity.norm();
+}
+
 }  // namespace
 
 double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& object) {
@@ -176,16 +189,18 @@ void doubt_anchors(const WorldDescription& world, std::vector<std::string>& line
         const auto doubt = [&](const char* key,
                                const Eigen::Vector3d& place_m,
                                double far_m,
-                               const std::string& from) {
+                               const std::string& from,
+                               const char* advice = "") {
             lines.push_back(fmt::format(
                 "joint_looks_wrong a={} b={} reason=\"{} [{}] is {:.2g} m away from {}; it is a "
-                "place in the world, not in an object\"",
+                "place in the world, not in an object{}\"",
                 a->name,
                 b == nullptr ? "world" : b->name,
                 key,
                 fmt::join(place_m, ", "),
                 far_m,
-                from));
+                from,
+                advice));
         };
         const double from_a_m = distance_m(joint.anchor_m, a->rigid);
         if (b == nullptr) {
@@ -201,8 +216,24 @@ void doubt_anchors(const WorldDescription& world, std::vector<std::string>& line
             if (from_b_m > kFarAnchor_m) doubt("anchor_b_m", joint.anchor_b_m, from_b_m, b->name);
             continue;
         }
-        const double nearest_m = std::min(from_a_m, distance_m(joint.anchor_m, b->rigid));
-        if (nearest_m > kFarAnchor_m) doubt("anchor_m", joint.anchor_m, nearest_m, "both objects");
+        const double from_b_m = distance_m(joint.anchor_m, b->rigid);
+        const double nearest_m = std::min(from_a_m, from_b_m);
+        if (nearest_m > kFarAnchor_m) {
+            doubt("anchor_m", joint.anchor_m, nearest_m, "both objects");
+            continue;
+        }
+        const WorldObject* near = from_a_m < from_b_m ? a : b;
+        const WorldObject* far = near == a ? b : a;
+        // a plane is near everything, and a slider works from any place
+        if (joint.kind == physics::JointKind::kSlider || is_plane(*near) ||
+            nearest_m > kNearAnchor_m ||
+            !is_held_from_afar(far->rigid, joint.anchor_m, world.world.gravity))
+            continue;
+        doubt("anchor_m",
+              joint.anchor_m,
+              std::max(from_a_m, from_b_m),
+              far->name + ", but at " + near->name,
+              "; if it is right, a or b names the wrong one");
     }
 }
 

@@ -22,7 +22,8 @@ double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& ob
 /// each fixed object and each site outside the world's bounds.
 void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines);
 
-/// Adds a line for each hinge or ball between two objects that is far from both of them.
+/// Adds a line for each joint between two objects whose anchor is far from both of them, or, unless
+/// a slider, far from one that moves and does not hang below it.
 void doubt_anchors(const WorldDescription& world, std::vector<std::string>& lines);
 
 }  // namespace atrium::world_server

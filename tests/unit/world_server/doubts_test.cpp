@@ -146,6 +146,31 @@ TEST_F(WorldDoubts, NameAJointFarFromBothObjects) {
         << "a floor is everywhere";
 }
 
+TEST_F(WorldDoubts, NameAJointFarFromOneOfItsObjects) {
+    const auto joint = [](const std::string& kind, const std::string& shelf, double mass_kg) {
+        return box("ball", 1, "position_m = [2, 0, 2]") + box("shelf", mass_kg, shelf) +
+               "[[joint]]\nkind = \"" + kind +
+               "\"\na = \"ball\"\nb = \"shelf\"\nanchor_m = [2, 0, 1.8]\n";
+    };
+    EXPECT_THAT(doubts(joint("ball", "position_m = [-3, 0, 2]", 1)),
+                ElementsAre(HasSubstr(
+                    "joint_looks_wrong a=ball b=shelf reason=\"anchor_m [2, 0, 1.8] is 4.8 m away "
+                    "from shelf, but at ball; it is a place in the world, not in an object; if it "
+                    "is right, a or b names the wrong one\"")));
+    EXPECT_THAT(doubts(joint("ball", "position_m = [0.9, 0, 2]", 1)), IsEmpty()) << "0.9 m away";
+    EXPECT_THAT(doubts(joint("ball", "position_m = [2, 0, 0.2]", 1)), IsEmpty()) << "a pendulum";
+    EXPECT_THAT(doubts(joint("ball", "position_m = [3.4, 0, 0.8]", 1)), IsEmpty())
+        << "a pendulum that starts at 54 degrees";
+    EXPECT_THAT(doubts(joint("ball", "position_m = [2, 0, 4]", 1)),
+                ElementsAre(HasSubstr("away from shelf")))
+        << "on its head";
+    EXPECT_THAT(doubts(joint("ball", "position_m = [-3, 0, 2]", 0)), IsEmpty())
+        << "a fixed object is like the world";
+    EXPECT_THAT(
+        doubts(joint("ball", "position_m = [-3, 0, 2]\nroll_pitch_yaw_deg = [0, 0, 90]", 1)),
+        ElementsAre(HasSubstr("4.8 m away from shelf")));
+}
+
 TEST_F(WorldDoubts, NameAnAnchorInTheFrameOfItsObject) {
     const std::string hinge = box("crate", 1, "position_m = [3.55, 2, 0.2]") +
                               "[[joint]]\na = \"crate\"\nkind = \"hinge\"\naxis = [0, 0, 1]\n";
