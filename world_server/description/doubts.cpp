@@ -209,6 +209,36 @@ void doubt_joints(const WorldDescription& world, std::vector<std::string>& lines
     }
 }
 
+// Other springs between two objects add up; those with the same ends are likely copies, too.
+bool do_the_same(const physics::Joint& one, const physics::Joint& other) {
+    constexpr double kSame_m = 1e-3;
+    constexpr double kSameAxis = 1e-3;
+    const bool is_turned = one.a == other.b && one.b == other.a;
+    if (one.kind != other.kind || !(is_turned || (one.a == other.a && one.b == other.b)))
+        return false;
+    if (one.kind == physics::JointKind::kSpring) {
+        return one.pulls_only == other.pulls_only &&
+               (one.anchor_m - (is_turned ? other.anchor_b_m : other.anchor_m)).norm() < kSame_m &&
+               (one.anchor_b_m - (is_turned ? other.anchor_m : other.anchor_b_m)).norm() < kSame_m;
+    }
+    if ((one.anchor_m - other.anchor_m).norm() > kSame_m) return false;
+    return one.kind == physics::JointKind::kBall ||
+           one.axis.normalized().cross(other.axis.normalized()).norm() < kSameAxis;
+}
+
+void doubt_copied_joints(const WorldDescription& world, std::vector<std::string>& lines) {
+    for (auto joint = world.joints.begin(); joint != world.joints.end(); ++joint) {
+        const auto same = [&](const physics::Joint& other) { return do_the_same(*joint, other); };
+        if (std::none_of(world.joints.begin(), joint, same)) continue;
+        lines.push_back(
+            fmt::format("joint_looks_wrong a={} b={} reason=\"it is there twice, of one kind at "
+                        "one place [{}]: remove one [[joint]]\"",
+                        name_of(world, joint->a),
+                        name_of(world, joint->b),
+                        fmt::join(joint->anchor_m, ", ")));
+    }
+}
+
 // Such limits are hardly any motion in degrees, but a usual one in radians: up to half a turn.
 void doubt_limits(const WorldDescription& world, std::vector<std::string>& lines) {
     constexpr double kLargest_deg = 3.2;
@@ -316,6 +346,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_rotations(world, lines);
     doubt_joints(world, lines);
     doubt_anchors(world, lines);
+    doubt_copied_joints(world, lines);
     doubt_limits(world, lines);
     doubt_soft_models(world, lines);
     doubt_sizes_of_scenery(world, lines);

@@ -171,6 +171,37 @@ TEST_F(WorldDoubts, NameAJointFarFromOneOfItsObjects) {
         ElementsAre(HasSubstr("4.8 m away from shelf")));
 }
 
+TEST_F(WorldDoubts, NameAJointThatIsWrittenTwice) {
+    const std::string two =
+        box("gate", 1, "position_m = [0, 0, 1]") + box("post", 0, "position_m = [0.5, 0, 1]");
+    const auto joint = [](const std::string& a, const std::string& b, const std::string& rest) {
+        return "[[joint]]\na = \"" + a + "\"\nb = \"" + b + "\"\n" + rest;
+    };
+    const std::string hinge = "kind = \"hinge\"\nanchor_m = [0.2, 0, 1]\naxis = [0, 0, 1]\n";
+    EXPECT_THAT(doubts(two + joint("gate", "post", hinge) + joint("gate", "post", hinge)),
+                ElementsAre(HasSubstr("joint_looks_wrong a=gate b=post reason=\"it is there twice, "
+                                      "of one kind at one place [0.2, 0, 1]: remove one")));
+    EXPECT_THAT(doubts(two + joint("gate", "post", hinge) + joint("post", "gate", hinge)),
+                ElementsAre(HasSubstr("it is there twice")));
+    const std::string other_axis = "kind = \"hinge\"\nanchor_m = [0.2, 0, 1]\naxis = [0, 1, 0]\n";
+    const std::string other_place =
+        "kind = \"hinge\"\nanchor_m = [0.2, 0, 1.2]\naxis = [0, 0, 1]\n";
+    EXPECT_THAT(doubts(two + joint("gate", "post", hinge) + joint("gate", "post", other_axis) +
+                       joint("gate", "post", other_place) + joint("gate", "world", hinge)),
+                IsEmpty());
+    const auto spring = [](double to_m, const std::string& rest) {
+        return "kind = \"spring\"\nstiffness_npm = 10\nanchor_m = [0.2, 0, 1]\nanchor_b_m = [" +
+               std::to_string(to_m) + ", 0, 1]\n" + rest;
+    };
+    EXPECT_THAT(doubts(two + joint("gate", "post", spring(0.3, "")) +
+                       joint("gate", "post", spring(0.3, ""))),
+                ElementsAre(HasSubstr("it is there twice")));
+    EXPECT_THAT(doubts(two + joint("gate", "post", spring(0.3, "")) +
+                       joint("gate", "post", spring(0.4, "")) +
+                       joint("gate", "post", spring(0.3, "pulls_only = true\n"))),
+                IsEmpty());
+}
+
 TEST_F(WorldDoubts, NameAnAnchorInTheFrameOfItsObject) {
     const std::string hinge = box("crate", 1, "position_m = [3.55, 2, 0.2]") +
                               "[[joint]]\na = \"crate\"\nkind = \"hinge\"\naxis = [0, 0, 1]\n";
