@@ -4,6 +4,7 @@
 #include "world_server/description/amount_doubts.hpp"
 #include "world_server/description/layout_doubts.hpp"
 #include "world_server/description/load_doubts.hpp"
+#include "world_server/description/scenery_doubts.hpp"
 #include "world_server/description/soft_doubts.hpp"
 #include "world_server/description/start_doubts.hpp"
 
@@ -296,28 +297,6 @@ void doubt_soft_models(const WorldDescription& world, std::vector<std::string>& 
     }
 }
 
-void doubt_sizes_of_scenery(const WorldDescription& world, std::vector<std::string>& lines) {
-    constexpr double kSmallest_m = 0.02;
-    const double largest_m = 2.0 * box_of(world.world).size().maxCoeff();
-    for (const WorldScenery& scenery : world.scenery) {
-        if (!scenery.is_solid) continue;
-        geometry::Aabb bounds;
-        for (const Eigen::Vector3d& vertex : scenery.mesh.vertices) bounds.add(vertex);
-        const Eigen::Vector3d size_m = bounds.size();
-        const bool is_large = size_m.maxCoeff() > largest_m;
-        if (!is_large && size_m.maxCoeff() >= kSmallest_m) continue;
-        lines.push_back(
-            fmt::format("scenery_looks_wrong name={} reason=\"it is {:.3g} x {:.3g} x {:.3g} m "
-                        "large{}; scale = "
-                        "0.01 reads centimetres, 0.001 millimetres\"",
-                        scenery.name,
-                        size_m.x(),
-                        size_m.y(),
-                        size_m.z(),
-                        is_large ? ", more than twice the world" : ""));
-    }
-}
-
 // The people of a site need no right to push things, and a site sends no commands.
 void doubt_rights(const WorldDescription& world, std::vector<std::string>& lines) {
     for (const auto& [key, right] : kRights) {
@@ -349,7 +328,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_copied_joints(world, lines);
     doubt_limits(world, lines);
     doubt_soft_models(world, lines);
-    doubt_sizes_of_scenery(world, lines);
+    doubt_scenery(world, lines);
     doubt_starts(world, lines);
     doubt_soft(world, lines);
     doubt_loads(world, tick_hz, lines);

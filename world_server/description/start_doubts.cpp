@@ -101,12 +101,10 @@ void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines)
 void doubt_in_scenery(const WorldDescription& world, std::vector<std::string>& lines) {
     for (const WorldScenery& scenery : world.scenery) {
         if (!scenery.is_solid) continue;
-        geometry::Aabb around;
-        for (const Eigen::Vector3d& vertex : scenery.mesh.vertices) around.add(vertex);
         for (const WorldObject& object : world.objects) {
             if (object.rigid.mass_kg == 0.0 || is_plane(object)) continue;
             const physics::RigidObject moving = to_rigid(object);
-            if (!touch(start_box_of(moving), around)) continue;
+            if (!touch(start_box_of(moving), scenery.box)) continue;
             const double depth_m = physics::overlap_m(moving, scenery.mesh);
             if (depth_m <= kDeepRigid_m) continue;
             lines.push_back(
@@ -158,16 +156,18 @@ double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& ob
     return local_distance_m(object.world_from_object.inverse() * place_m, object);
 }
 
-geometry::Aabb start_box_of(const physics::RigidObject& object) {
-    const geometry::Aabb box = local_box_of(object);
-    geometry::Aabb world;
+geometry::Aabb moved(const geometry::RigidTransform& to_from, const geometry::Aabb& box) {
+    geometry::Aabb around;
     for (int corner = 0; corner < 8; ++corner) {
-        world.add(object.world_from_object *
-                  Eigen::Vector3d((corner & 1) != 0 ? box.max.x() : box.min.x(),
-                                  (corner & 2) != 0 ? box.max.y() : box.min.y(),
-                                  (corner & 4) != 0 ? box.max.z() : box.min.z()));
+        around.add(to_from * Eigen::Vector3d((corner & 1) != 0 ? box.max.x() : box.min.x(),
+                                             (corner & 2) != 0 ? box.max.y() : box.min.y(),
+                                             (corner & 4) != 0 ? box.max.z() : box.min.z()));
     }
-    return world;
+    return around;
+}
+
+geometry::Aabb start_box_of(const physics::RigidObject& object) {
+    return moved(object.world_from_object, local_box_of(object));
 }
 
 void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines) {

@@ -8,6 +8,9 @@
 
 namespace atrium::world_server {
 
+/// Returns the bounding box of a box after a motion.
+geometry::Aabb moved(const geometry::RigidTransform& to_from, const geometry::Aabb& box);
+
 /// Returns the bounding box of an object at its start, in the world; a plane's is infinite.
 geometry::Aabb start_box_of(const physics::RigidObject& object);
 

@@ -30,6 +30,10 @@ void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     const auto model = model::load_model(file_of(reader, look.model), look.model_scale);
     if (!model) return reject_model(reader, model.error());
     look.own_texture = model::own_texture_of(*model);
+    for (const model::ModelPart& part : *model) {
+        for (const Eigen::Vector3d& vertex : part.mesh.vertices)
+            scenery.box.add(scenery.world_from_model * vertex);
+    }
     if (!scenery.is_solid) return;
     for (const model::ModelPart& part : *model)
         append(scenery.mesh, part.mesh, scenery.world_from_model);

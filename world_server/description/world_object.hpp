@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/aabb.hpp"
 #include "core/geometry/rigid_transform.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "world_server/physics/rigid/rigid_object.hpp"
@@ -43,6 +44,7 @@ struct WorldScenery {
     bool is_solid = false;
     double friction = 0.6;
     double restitution = 0.2;
+    geometry::Aabb box{};           // around it, in the world
     geometry::TriangleMesh mesh{};  // in the world [m]; empty if not solid
 };
 

@@ -292,6 +292,35 @@ TEST_F(WorldDoubts, SizesOfScenery) {
         testing::ElementsAre(testing::HasSubstr("it is 90 x 90 x 90 m large, more than twice")));
     EXPECT_THAT(doubts(kFloor + rock("solid = true\nscale = 0.01\n")),
                 testing::ElementsAre(testing::HasSubstr("it is 0.009 x 0.009 x 0.009 m large;")));
+    EXPECT_THAT(doubts(kFloor + rock("scale = 100\n")), testing::IsEmpty()) << "a landscape";
+    EXPECT_THAT(doubts(kFloor + rock("scale = 1000\n")),
+                testing::ElementsAre(testing::HasSubstr("it is 900 x 900 x 900 m large, more")));
+}
+
+TEST_F(WorldDoubts, PlacesOfScenery) {
+    const auto rock = [](const std::string& rest) {
+        return "[[scenery]]\nname = \"rock\"\nmodel = \"rock.obj\"\ntexture = \"own.png\"\n" +
+               rest + "\n";
+    };
+    const auto outside = testing::HasSubstr(
+        "scenery_looks_wrong name=rock reason=\"all of it is 280 m or more outside the world's "
+        "bounds, [-20, -20, -1] to [20, 20, 20]");
+    EXPECT_THAT(doubts(kFloor + rock("position_m = [300, 0, 0]")), ElementsAre(outside));
+    EXPECT_THAT(doubts(kFloor + rock("position_m = [300, 0, 0]\nsolid = true")),
+                ElementsAre(outside));
+    EXPECT_THAT(doubts(kFloor + rock("position_m = [80, 0, 0]")), IsEmpty()) << "a backdrop";
+    EXPECT_THAT(doubts(kFloor + rock("position_m = [80, 0, 0]\nsolid = true")),
+                ElementsAre(HasSubstr("60 m or more outside")));
+    EXPECT_THAT(doubts(kFloor + rock("position_m = [0, 0, -3]")),
+                ElementsAre(HasSubstr("scenery_looks_wrong name=rock reason=\"all of it is below "
+                                      "floor, where nobody sees it")));
+    EXPECT_THAT(doubts(kFloor + rock("position_m = [0, 0, -0.5]")), IsEmpty()) << "it looks out";
+    EXPECT_THAT(doubts(kFloor + rock("position_m = [4.5, 0, -3]")), IsEmpty())
+        << "beside what is drawn of the floor";
+    const std::string hall = box("hall", 0, "position_m = [0, 0, 1]");
+    EXPECT_THAT(doubts(hall + rock("position_m = [-0.1, -0.1, 0.9]\nscale = 0.2")),
+                ElementsAre(HasSubstr("all of it is inside hall")));
+    EXPECT_THAT(doubts(hall + rock("position_m = [-0.1, -0.1, 0.9]")), IsEmpty());
 }
 
 }  // namespace
