@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <string_view>
 #include <system_error>
 
@@ -23,6 +24,11 @@ namespace {
 
 constexpr std::array<std::string_view, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
 constexpr int kMaxDepth = 100;  // nesting of nodes
+
+bool is_gltf(const std::filesystem::path& file) {
+    const std::string ending = ending_of(file);
+    return ending == ".gltf" || ending == ".glb";
+}
 
 Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
     Eigen::Matrix4d transform;
@@ -46,6 +52,19 @@ bool states_colour(const aiMaterial& material) {
     material.Get(AI_MATKEY_NAME, name);
     if (name.length > 0) return std::string_view(name.C_Str()) != AI_DEFAULT_MATERIAL_NAME;
     return (colour_of(material).array() < 1.0).any();
+}
+
+float linear_of(float encoded) {
+    return encoded <= 0.04045F ? encoded / 12.92F : std::pow((encoded + 0.055F) / 1.055F, 2.4F);
+}
+
+// Only glTF has linear ones, which multiply the colour of the material.
+Eigen::Vector3f vertex_colour_of(const aiColor4D& colour, const ModelPart& part, bool is_linear) {
+    Eigen::Vector3f rgb(colour.r, colour.g, colour.b);
+    if (!rgb.allFinite()) return part.colour.cast<float>();
+    rgb = rgb.cwiseMax(0.0F).cwiseMin(1.0F);
+    if (!is_linear) return rgb.unaryExpr(&linear_of);
+    return part.has_colour ? rgb.cwiseProduct(part.colour.cast<float>()).eval() : rgb;
 }
 
 std::string texture_of(const aiMaterial& material) {
@@ -120,6 +139,10 @@ private:
                                 part.name,
                                 limits_.max_coordinate_m));
             part.mesh.vertices.push_back(at);
+            if (mesh.HasVertexColors(0)) {
+                part.vertex_colours.push_back(
+                    vertex_colour_of(mesh.mColors[0][v], part, is_gltf(file_)));
+            }
             if (!mesh.HasTextureCoords(0)) continue;
             const aiVector3D& place = mesh.mTextureCoords[0][v];
             part.texture_places.emplace_back(place.x, place.y);
@@ -228,9 +251,7 @@ Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
                           fmt::format("{}: {}", file.string(), why_unreadable(file, importer)));
     }
     Eigen::Matrix4d model_from_file = Eigen::Matrix4d::Identity();
-    const std::string ending = ending_of(file);
-    if (ending == ".gltf" || ending == ".glb")
-        model_from_file << 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1;
+    if (is_gltf(file)) model_from_file << 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1;
     model_from_file.topRows<3>() *= scale;
     return PartCollector(*scene, file, limits).take(model_from_file);
 }

@@ -29,6 +29,8 @@ struct ModelPart {
     geometry::TriangleMesh mesh;  // [m]; need not be closed
     /// Texture coordinates per vertex, (0, 0) is the picture's top left; empty: none.
     std::vector<Eigen::Vector2f> texture_places;
+    /// Colour per vertex, linear RGB in [0, 1]; empty: none.
+    std::vector<Eigen::Vector3f> vertex_colours;
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // RGB in [0, 1]
     bool has_colour = false;                                  // the file states the colour
     std::string own_texture;  // picture that the file names, "*0" inside it; viewers do not draw it

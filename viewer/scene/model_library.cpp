@@ -18,8 +18,8 @@ constexpr float kSmoothCos = 0.77F;       // smooth normals where faces meet at 
 constexpr std::size_t kMaxModels = 1024;  // requested; the names come from the network
 
 // Appends separate corners for each triangle, with a smooth normal unless there is an edge, and
-// with the file's texture coordinates if it has any.
-void append(const model::ModelPart& part, renderer::ShapeMesh& out) {
+// with the file's texture coordinates if it has any. Of a painted mesh, all parts have colours.
+void append(const model::ModelPart& part, bool is_painted, renderer::ShapeMesh& out) {
     const geometry::TriangleMesh& mesh = part.mesh;
     const bool has_places = part.texture_places.size() == mesh.vertices.size();
     std::vector<Eigen::Vector3f> smooth(mesh.vertices.size(), Eigen::Vector3f::Zero());
@@ -42,9 +42,15 @@ void append(const model::ModelPart& part, renderer::ShapeMesh& out) {
                                    round.dot(normal) > kSmoothCos ? round : normal,
                                    has_places ? part.texture_places[vertex]
                                               : renderer::projected_place(position, normal)});
+            if (is_painted) {
+                out.colours.push_back(part.vertex_colours.empty() ? part.colour.cast<float>()
+                                                                  : part.vertex_colours[vertex]);
+            }
         }
     }
 }
+
+bool is_painted(const model::ModelPart& part) { return !part.vertex_colours.empty(); }
 
 }  // namespace
 
@@ -58,10 +64,11 @@ ModelLibrary::ModelLibrary(const std::filesystem::path& folder)
 ModelLibrary::Model ModelLibrary::make(const std::vector<model::ModelPart>& parts) {
     Model model;
     renderer::ShapeMesh whole;
+    const bool is_any_painted = std::ranges::any_of(parts, is_painted);
     for (const model::ModelPart& part : parts) {
         renderer::ShapeMesh mesh;
-        append(part, mesh);
-        append(part, whole);
+        append(part, is_painted(part), mesh);
+        append(part, is_any_painted, whole);
         model.parts.push_back(
             {std::make_shared<const renderer::ShapeMesh>(std::move(mesh)), part.colour});
     }

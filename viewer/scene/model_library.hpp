@@ -23,7 +23,8 @@ class ModelLibrary {
 public:
     explicit ModelLibrary(const std::filesystem::path& folder);
 
-    /// Look of an object: the whole model in the object's colour, or a box of the object's size.
+    /// Look of an object: the whole model in the object's colour or those of its vertices, or a box
+    /// of the object's size.
     renderer::ObjectLook look_of(const bus::SceneObject& object, renderer::ShapeKind shape);
     /// Looks of scenery: one per part of the model, in the model's colours, or a box of 1 m.
     std::vector<renderer::ObjectLook> look_of(const bus::Scenery& scenery);

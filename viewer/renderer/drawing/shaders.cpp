@@ -10,7 +10,9 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 place;
 layout(location = 3) in mat4 world_from_mesh;
 layout(location = 7) in vec3 instance_colour;
+layout(location = 8) in vec3 vertex_colour;  // of painted meshes
 uniform mat4 clip_from_world;
+out vec3 paint;
 out vec2 p_picture;
 out vec3 p_mesh;
 out vec3 p_world;
@@ -26,6 +28,7 @@ void main() {
     vec3 scale2 = vec3(dot(linear[0], linear[0]), dot(linear[1], linear[1]), dot(linear[2], linear[2]));
     normal_world = linear * (normal / scale2);
     colour = instance_colour;
+    paint = vertex_colour;
     gl_Position = clip_from_world * p;
 }
 )";
@@ -36,6 +39,7 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 place;
 uniform mat4 clip_from_world;
 uniform vec3 soft_colour;
+out vec3 paint;
 out vec2 p_picture;
 out vec3 p_mesh;
 out vec3 p_world;
@@ -45,7 +49,7 @@ void main() {
     p_mesh = p_world = position;
     p_picture = place;
     normal_world = normal;
-    colour = soft_colour;
+    colour = paint = soft_colour;
     gl_Position = clip_from_world * vec4(position, 1.0);
 }
 )";
@@ -80,6 +84,7 @@ in vec2 p_picture;
 in vec3 p_world;
 in vec3 normal_world;
 flat in vec3 colour;
+in vec3 paint;
 uniform sampler2D picture;
 uniform vec3 light;
 uniform vec3 eye;
@@ -88,7 +93,11 @@ void main() {
     vec3 n = normalize(normal_world);
     // seen from behind: flip the normal
     if (!gl_FrontFacing) n = -n;
+#ifdef PAINTED
+    vec3 base = paint;
+#else
     vec3 base = colour;
+#endif
 #ifdef TEXTURED
     vec4 painted = texture(picture, p_picture);
     base = mix(base, painted.rgb, painted.a);
@@ -116,7 +125,8 @@ void main() {
 
 std::string object_fragment(Surface surface) {
     return with_defines({surface == Surface::kTextured ? "TEXTURED" : "",
-                         surface == Surface::kStriped ? "STRIPED" : ""},
+                         surface == Surface::kStriped ? "STRIPED" : "",
+                         surface == Surface::kPainted ? "PAINTED" : ""},
                         {kEncode, kObjectFragment});
 }
 

@@ -14,9 +14,9 @@ extern const char* const kObjectVertex;
 extern const char* const kSoftVertex;
 
 /// Shades rigid and soft objects. A striped ball has lighter sectors, which make its rotation
-/// visible.
-enum class Surface : std::uint8_t { kPlain, kTextured, kStriped };
-inline constexpr std::size_t kNumSurfaces = 3;
+/// visible. A painted mesh has a colour per vertex.
+enum class Surface : std::uint8_t { kPlain, kTextured, kStriped, kPainted };
+inline constexpr std::size_t kNumSurfaces = 4;
 std::string object_fragment(Surface surface);
 
 /// A lit plane: the square from -1 to 1, scaled by the uniform `half_size`, in its own frame [m].

@@ -19,6 +19,8 @@ struct ShapeMesh {
         Eigen::Vector2f texture_place = Eigen::Vector2f::Zero();
     };
     std::vector<Corner> corners;
+    /// Linear RGB in [0, 1] of each corner, instead of the object's colour; empty: none.
+    std::vector<Eigen::Vector3f> colours;
     std::vector<std::uint32_t> indices;  // three per triangle, counter-clockwise from outside
     /// Indices of coarser levels, for small sizes. Empty: there is no coarser level.
     std::array<std::vector<std::uint32_t>, 2> coarser;

@@ -60,9 +60,10 @@ void ObjectBatch::draw(const ObjectShaders& shaders, const Textures& textures) {
         const std::size_t end = end_of_alike(first);
         const ObjectLook& look = entries_[first].object->look;
         using renderer::shaders::Surface;
-        const Surface surface = textures.bind(look.texture, 0) ? Surface::kTextured
-                                : is_striped(look)             ? Surface::kStriped
-                                                               : Surface::kPlain;
+        const Surface surface = textures.bind(look.texture, 0)      ? Surface::kTextured
+                                : entries_[first].mesh->has_colours ? Surface::kPainted
+                                : is_striped(look)                  ? Surface::kStriped
+                                                                    : Surface::kPlain;
         shaders.of(surface).use();
         draw_alike(first, end);
         first = end;

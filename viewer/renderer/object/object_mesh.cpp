@@ -10,10 +10,14 @@
 namespace atrium::renderer {
 namespace {
 
+constexpr unsigned kColourAttribute = 8;  // after those of the instances
+
 ObjectMesh upload(const ShapeMesh& mesh) {
     ObjectMesh drawn{.layout = gl::make_vertex_array(),
                      .corners = gl::make_buffer(),
                      .indices = gl::make_buffer(),
+                     .colours = gl::make_buffer(),
+                     .has_colours = !mesh.colours.empty(),
                      .levels = {}};
     std::vector<std::uint32_t> indices = mesh.indices;
     drawn.levels.fill({0, static_cast<int>(indices.size())});
@@ -33,6 +37,13 @@ ObjectMesh upload(const ShapeMesh& mesh) {
                std::span<const ShapeMesh::Corner>(mesh.corners),
                GL_STATIC_DRAW);
     read_corners();
+    if (drawn.has_colours) {
+        gl::upload(drawn.colours,
+                   GL_ARRAY_BUFFER,
+                   std::span<const Eigen::Vector3f>(mesh.colours),
+                   GL_STATIC_DRAW);
+        gl::float_attribute(kColourAttribute, 3, sizeof(Eigen::Vector3f), 0);
+    }
     gl::upload(drawn.indices,
                GL_ELEMENT_ARRAY_BUFFER,
                std::span<const std::uint32_t>(indices),

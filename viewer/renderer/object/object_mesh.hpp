@@ -21,6 +21,8 @@ struct ObjectMesh {
     gl::VertexArray layout;
     gl::Buffer corners;
     gl::Buffer indices;
+    gl::Buffer colours;
+    bool has_colours = false;
     std::array<Level, 3> levels;  // fewer triangles with each level
     Eigen::Vector3d half_extent = Eigen::Vector3d::Zero();
 

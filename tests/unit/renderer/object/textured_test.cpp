@@ -172,6 +172,30 @@ TEST_F(TexturedTest, BoxShowsItsColourThroughTransparentTexels) {
     EXPECT_EQ(hue_at({0.25, -0.5, 0.75}), '.');
 }
 
+TEST_F(TexturedTest, ModelShowsTheColoursOfItsVerticesUnlessItHasAPicture) {
+    auto wall = std::make_shared<ShapeMesh>();
+    const Eigen::Vector3f towards(0, -1, 0);
+    for (const Eigen::Vector3f& p : {Eigen::Vector3f(-1, 0, 0.5F),
+                                     Eigen::Vector3f(1, 0, 0.5F),
+                                     Eigen::Vector3f(1, 0, 1.5F),
+                                     Eigen::Vector3f(-1, 0, 1.5F)}) {
+        wall->corners.push_back({p, towards, {0.25F, 0.75F}});
+        wall->colours.emplace_back(p.x() < 0 ? 0.8F : 0.0F, p.x() < 0 ? 0.0F : 0.8F, 0.0F);
+    }
+    wall->indices = {0, 1, 2, 0, 2, 3};
+    ObjectLook look{.model = wall, .colour = {0.1, 0.1, 0.8}};
+    renderer_->set_object(1, look);
+    draw();
+    EXPECT_EQ(hue_at({-0.6, 0, 1}), 'r');
+    EXPECT_EQ(hue_at({0.6, 0, 1}), 'g');
+    EXPECT_EQ(hue_at({0, 0, 1}), '.') << "they blend";
+    look.texture = "quarters";
+    renderer_->set_texture("quarters", quarters());
+    renderer_->set_object(1, look);
+    draw();
+    EXPECT_EQ(hue_at({-0.6, 0, 1}), 'b');
+}
+
 TEST_F(TexturedTest, PictureTurnsWithItsBall) {
     renderer_->set_texture("quarters", quarters());
     ObjectLook look{.shape = ShapeKind::kSphere,

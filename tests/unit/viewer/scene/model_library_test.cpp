@@ -91,6 +91,27 @@ TEST_F(ModelLibraryTest, TakesTextureCoordinatesFromTheFileOrFromAbove) {
     }
 }
 
+TEST_F(ModelLibraryTest, TakesColoursPerVertexFromTheFile) {
+    EXPECT_TRUE(look_in_the_end(object("tetra.obj", 1.0), renderer::ShapeKind::kBox)
+                    .model->colours.empty());
+    std::ofstream(root_ / "models/scan.ply")
+        << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+           "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+           "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+           "0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 128\n3 0 1 2\n";
+    const auto scan = look_in_the_end(object("scan.ply", 1.0), renderer::ShapeKind::kBox);
+    ASSERT_TRUE(scan.model);
+    ASSERT_EQ(scan.model->corners.size(), 3U);
+    ASSERT_EQ(scan.model->colours.size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Eigen::Vector3f p = scan.model->corners[i].position_object;
+        const Eigen::Vector3f colour = p.x() > 0.5F   ? Eigen::Vector3f(0, 1, 0)
+                                       : p.y() > 0.5F ? Eigen::Vector3f(0, 0, 0.2159F)
+                                                      : Eigen::Vector3f(1, 0, 0);
+        EXPECT_LT((scan.model->colours[i] - colour).norm(), 1e-3F) << p.transpose();
+    }
+}
+
 TEST_F(ModelLibraryTest, ReplacesAMissingModelByABox) {
     // the library handles the last request after all others
     for (const char* missing : {"../outside.obj", "tetra.txt", "none.obj"})
