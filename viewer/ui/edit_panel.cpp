@@ -14,7 +14,8 @@
 namespace atrium::viewer {
 namespace {
 
-constexpr double kAskedS = 2.5;  // then the fields show the world again
+constexpr double kAskedS = 2.5;         // then the fields show the world again
+constexpr float kWidthLetters = 23.0f;  // heights of letters
 constexpr NumberRange kSizes{0.01f, 20.0f, "%.3f m", 0.005f};
 constexpr NumberRange kPositions{-1000.0f, 1000.0f, "%.3f m", 0.005f};
 constexpr NumberRange kAngles{-360.0f, 360.0f, "%.1f deg", 0.5f};
@@ -204,7 +205,9 @@ void EditPanel::draw_buttons(const EditView& edit, SurfaceEvents& events) {
     ImGui::EndDisabled();
 }
 
-void EditPanel::draw(const HudContent& content, float left, SurfaceEvents& events) {
+float EditPanel::width() { return kWidthLetters * ImGui::GetFontSize(); }
+
+void EditPanel::draw(const HudContent& content, SurfaceEvents& events) {
     if (!content.edit.selected) {
         seen_ = {};
         held_.reset();
@@ -220,14 +223,7 @@ void EditPanel::draw(const HudContent& content, float left, SurfaceEvents& event
         asked_at_s_ = -1e9;
     }
     const float font = ImGui::GetFontSize();
-    place_below(left);
-    ImGui::SetNextWindowSize({23.0f * font, 0.0f});
-    ImGui::SetNextWindowBgAlpha(0.85f);
-    ImGui::Begin("edit",
-                 nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
-                     ImGuiWindowFlags_NoSavedSettings);
+    begin_arranged_panel("edit", PanelKind::kInput, width());
     ImGui::PushItemWidth(-6.5f * font);
     ImGui::Text("%s (%u)", object.name.c_str(), object.object);
     std::string problem;

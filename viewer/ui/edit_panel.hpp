@@ -14,8 +14,10 @@ namespace atrium::viewer {
 class EditPanel {
 public:
     /// Shows nothing if no object is selected. Writes the user's changes to `events`, each when the
-    /// user has let go of its field. The panel lies to the right of `left` [px].
-    void draw(const HudContent& content, float left, SurfaceEvents& events);
+    /// user has let go of its field.
+    void draw(const HudContent& content, SurfaceEvents& events);
+    /// Width that it wants [px]. Inside an ImGui frame.
+    static float width();
 
 private:
     void load(const bus::SceneObject& object);

@@ -21,7 +21,6 @@ constexpr double kHistory_s = 30.0;
 // The short panel stays this small, so it does not cover people.
 constexpr double kLineWidth_px = 330.0;  // at scale 1; longer lines are wrapped
 constexpr double kTwoListsFrom_px = 900.0;
-constexpr double kFiguresShare = 0.6;  // of the picture's width, at most
 constexpr double kDetailWidth_px = 460.0;
 constexpr float kKeysShare = 0.95f;  // of the picture's width
 constexpr std::size_t kMostWarnings = 2;
@@ -85,7 +84,7 @@ void draw_warnings(const HudContent& content, bool has_details) {
     if (num_left > 0) draw_warning(fmt::format("... and {} more (T)", num_left));
 }
 
-void draw_messages(const HudContent& content, bool has_details) {
+void draw_recording(const HudContent& content, bool has_details) {
     if (content.recording_s)
         draw_warning(fmt::format("recording, {:.1f} s at {:g} pictures/s   F9: stop",
                                  *content.recording_s,
@@ -96,7 +95,6 @@ void draw_messages(const HudContent& content, bool has_details) {
     if (content.num_video_dropped > 0 && (is_running || has_details))
         draw_warning(
             fmt::format("pictures missing in videos and streams: {}", content.num_video_dropped));
-    if (!content.notice.empty()) draw_wrapped(content.notice);
 }
 
 void draw_details(const HudContent& content) {
@@ -125,15 +123,12 @@ void draw_cell(std::string_view text, bool is_key) {
 
 }  // namespace
 
-float draw_hud(const HudContent& content, bool has_details) {
-    begin_panel("figures",
-                Corner::kUpperLeft,
-                kFiguresShare,
-                has_details ? PanelKind::kInput : PanelKind::kText);
-    // nor does a narrow window cut it
+void draw_hud(const HudContent& content, bool has_details, float widest) {
+    begin_arranged_panel("figures", has_details ? PanelKind::kInput : PanelKind::kText);
+    // nor does a narrow place cut it
     const ImGuiStyle& style = ImGui::GetStyle();
-    const float room = widest_panel(kFiguresShare) - 2.0f * style.WindowPadding.x -
-                       (has_details ? style.ScrollbarSize : 0.0f);
+    const float room =
+        widest - 2.0f * style.WindowPadding.x - (has_details ? style.ScrollbarSize : 0.0f);
     ImGui::PushTextWrapPos(style.WindowPadding.x +
                            std::min(room, ui_px(has_details ? kDetailWidth_px : kLineWidth_px)));
     std::string summary = content.world.empty() ? "" : content.world + "   ";
@@ -148,21 +143,19 @@ float draw_hud(const HudContent& content, bool has_details) {
     draw_sites(content);
     draw_warnings(content, has_details);
     if (has_details) draw_details(content);
-    draw_messages(content, has_details);
+    draw_recording(content, has_details);
     ImGui::TextColored(kHintColour, "F1, ?: keys   T: %s   H: hide", has_details ? "less" : "more");
     ImGui::PopTextWrapPos();
-    const float right = ImGui::GetWindowPos().x + ImGui::GetWindowSize().x;
     ImGui::End();
-    return right;
 }
 
 void draw_question(Action action) {
-    begin_panel("question", Corner::kMiddle, 0.96, PanelKind::kText);
-    ImGui::TextUnformatted(action == Action::kReset ? "R again: reset all objects, for everybody"
-                           : action == Action::kOtherWorld
-                               ? "Backspace again: leave this world   Delete: remove the object"
-                               : "Esc again: close the viewer");
-    ImGui::End();
+    draw_message("question",
+                 Corner::kMiddle,
+                 action == Action::kReset        ? "R again: reset all objects, for everybody"
+                 : action == Action::kOtherWorld ? "Backspace again: leave this world   "
+                                                   "Delete: remove the object"
+                                                 : "Esc again: close the viewer");
 }
 
 void draw_keys() {

@@ -24,7 +24,6 @@ constexpr std::array<ShapeChoice, 4> kShapes{{{"ball", bus::Shape::kSphere},
                                               {"capsule", bus::Shape::kCapsule}}};
 constexpr double kWidth_px = 290.0;  // at scale 1
 constexpr double kListHeight_px = 100.0;
-constexpr float kMessageLines = 3.0f;
 constexpr NumberRange kNewSizes{0.03f, 2.0f, "%.2f m", 0.005f};
 constexpr NumberRange kNewMasses{0.05f, 50.0f, "%.2f kg"};
 
@@ -107,29 +106,12 @@ void Menu::draw_object_list(const HudContent& content, SurfaceEvents& events) {
     ImGui::TextWrapped("Delete: remove the selected object, else the one under the mouse");
 }
 
+float Menu::width() { return ui_px(kWidth_px); }
+
 void Menu::draw(const HudContent& content, SurfaceEvents& events) {
-    const ImVec2 size = ImGui::GetIO().DisplaySize;
-    const float width = ui_px(kWidth_px);
-    const float margin = ui_px(10.0);
-    ImGui::SetNextWindowPos({size.x - margin, margin}, ImGuiCond_Always, {1.0f, 0.0f});
-    // as high as needed; scrolls in a low window
-    ImGui::SetNextWindowSize({width, 0.0f});
-    ImGui::SetNextWindowSizeConstraints({width, 0.0f}, {width, size.y - 2.0f * margin});
-    ImGui::SetNextWindowBgAlpha(0.85f);
-    ImGui::Begin("menu",
-                 nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
-                     ImGuiWindowFlags_NoSavedSettings);
+    begin_arranged_panel("menu", PanelKind::kInput, width());
     ImGui::PushItemWidth(-ui_px(80.0));
-    // above all fields, which must not move while the user presses them
-    const float lines = kMessageLines * ImGui::GetTextLineHeightWithSpacing();
-    ImGui::BeginChild("message", {0.0f, lines});
-    if (content.notice.empty())
-        ImGui::TextColored(kHintColour, "M: close the menu");
-    else
-        draw_wrapped(content.notice);
-    ImGui::EndChild();
+    ImGui::TextColored(kHintColour, "M: close the menu");
     // undo does not bring back what a reset takes from everybody
     if (ImGui::Button(
             asks_reset_ ? "reset everybody's objects?###reset" : "reset all objects###reset",

@@ -15,6 +15,8 @@ public:
     /// and Render.
     void draw(const HudContent& content, SurfaceEvents& events);
 
+    /// Width that it wants [px]. Inside an ImGui frame.
+    static float width();
     /// Opens the list of saved worlds.
     void show_worlds() { worlds_.show_worlds(); }
 

@@ -1,13 +1,11 @@
 #include "viewer/ui/panel_style.hpp"
 
-#include "viewer/ui/free_place.hpp"
 #include "viewer/ui/ui_scale.hpp"
 
-// for the sizes of the other panels
+// for the panels under the mouse and the order of the panels
 #include <imgui_internal.h>
 
 #include <algorithm>
-#include <vector>
 
 namespace atrium::viewer {
 namespace {
@@ -15,55 +13,31 @@ namespace {
 constexpr double kPanelMargin_px = 10.0;  // at scale 1
 constexpr double kUncutPanel_px = 460.0;
 
+constexpr double kWidestMessage_px = 560.0;
+
+int flags_of(PanelKind kind) {
+    int flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
+                ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
+                ImGuiWindowFlags_HorizontalScrollbar;
+    if (kind == PanelKind::kText || kind == PanelKind::kMessage)
+        flags |= ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoScrollbar;
+    return flags;
+}
+
+float alpha_of(PanelKind kind) {
+    if (kind == PanelKind::kText) return 0.55f;
+    return kind == PanelKind::kInput ? 0.85f : 0.97f;
+}
+
 }  // namespace
 
-void place_in(Corner corner) {
-    const ImVec2 size = ImGui::GetIO().DisplaySize;
-    const float margin = ui_px(kPanelMargin_px);
-    ImVec2 at{margin, margin};
-    ImVec2 pivot{0.0f, 0.0f};
-    if (corner == Corner::kMiddle) {
-        at = {0.5f * size.x, 0.5f * size.y};
-        pivot = {0.5f, 0.5f};
-    }
-    ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
-}
-
-void place_below(float left) {
-    const float margin = ui_px(kPanelMargin_px);
-    const ImVec2 at{left + margin, ImGui::GetIO().DisplaySize.y - margin};
-    ImGui::SetNextWindowPos(at, ImGuiCond_Always, {0.0f, 1.0f});
-}
-
-void place_beside_others(const char* name, Corner corner) {
-    const ImGuiContext& context = *ImGui::GetCurrentContext();
-    const ImGuiWindow* last = ImGui::FindWindowByName(name);
-    const ImVec2 picture = ImGui::GetIO().DisplaySize;
-    const float margin = ui_px(kPanelMargin_px);
-    PanelBox wanted{margin, 0.0f, 0.0f, 0.0f};
-    if (last != nullptr) {
-        wanted.width = last->Size.x;
-        wanted.height = last->Size.y;
-    }
-    wanted.top = picture.y - margin - wanted.height;
-    if (corner == Corner::kLowerRight) wanted.left = picture.x - margin - wanted.width;
-    constexpr int kNoPanel =
-        ImGuiWindowFlags_ChildWindow | ImGuiWindowFlags_Tooltip | ImGuiWindowFlags_Popup;
-    std::vector<PanelBox> others;
-    for (const ImGuiWindow* window : context.Windows) {
-        const bool is_panel = window->WasActive && window->LastFrameActive == context.FrameCount &&
-                              !window->IsFallbackWindow && (window->Flags & kNoPanel) == 0;
-        if (is_panel && window != last)
-            others.push_back({window->Pos.x, window->Pos.y, window->Size.x, window->Size.y});
-    }
-    const PanelBox place = free_place(wanted, others, picture.x, picture.y, margin);
-    ImGui::SetNextWindowPos({place.left, place.top});
-}
+float panel_margin() { return ui_px(kPanelMargin_px); }
 
 float widest_panel(double share) {
     const float picture = ImGui::GetIO().DisplaySize.x;
-    const float room = picture - 2.0f * ui_px(kPanelMargin_px);
-    return std::max(static_cast<float>(share) * picture, std::min(room, ui_px(kUncutPanel_px)));
+    const float room = picture - 2.0f * panel_margin();
+    return std::min(room, std::max(static_cast<float>(share) * picture, ui_px(kUncutPanel_px)));
 }
 
 float text_width(std::string_view text) {
@@ -114,23 +88,42 @@ bool close_popup() {
 }
 
 void begin_panel(const char* name, Corner corner, double share, PanelKind kind) {
-    place_in(corner);
-    begin_placed_panel(name, share, kind);
-}
-
-void begin_placed_panel(const char* name, double share, PanelKind kind) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
-    const float margin = ui_px(kPanelMargin_px);
+    const float margin = panel_margin();
+    ImVec2 at{margin, margin};
+    ImVec2 pivot{0.0f, 0.0f};
+    if (corner != Corner::kUpperLeft) at.x = 0.5f * size.x, pivot.x = 0.5f;
+    if (corner == Corner::kMiddle) at.y = 0.5f * size.y, pivot.y = 0.5f;
+    ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
     ImGui::SetNextWindowSizeConstraints({0.0f, 0.0f},
                                         {widest_panel(share), size.y - 2.0f * margin});
-    const bool takes_input = kind != PanelKind::kText;
-    ImGui::SetNextWindowBgAlpha(kind == PanelKind::kCover ? 0.97f : takes_input ? 0.85f : 0.55f);
-    int flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
-                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
-                ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_HorizontalScrollbar;
-    if (!takes_input) flags |= ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoScrollbar;
+    ImGui::SetNextWindowBgAlpha(alpha_of(kind));
+    ImGui::Begin(name, nullptr, flags_of(kind) | ImGuiWindowFlags_AlwaysAutoResize);
+}
+
+void begin_arranged_panel(const char* name, PanelKind kind, float width) {
+    int flags = flags_of(kind);
+    if (ImGui::FindWindowByName(name) == nullptr) {
+        // its first picture, in which nobody sees it
+        if (width > 0.0f)
+            ImGui::SetNextWindowSize({width, 0.0f});
+        else
+            flags |= ImGuiWindowFlags_AlwaysAutoResize;
+    }
+    ImGui::SetNextWindowBgAlpha(alpha_of(kind));
     ImGui::Begin(name, nullptr, flags);
+}
+
+void draw_message(const char* name, Corner corner, std::string_view text) {
+    begin_panel(name, corner, 1.0, PanelKind::kMessage);
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float widest =
+        std::min(ui_px(kWidestMessage_px), widest_panel(1.0) - 2.0f * style.WindowPadding.x);
+    ImGui::PushTextWrapPos(style.WindowPadding.x + widest);
+    draw_wrapped(text);
+    ImGui::PopTextWrapPos();
+    ImGui::BringWindowToDisplayFront(ImGui::GetCurrentWindow());
+    ImGui::End();
 }
 
 }  // namespace atrium::viewer

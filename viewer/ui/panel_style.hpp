@@ -1,5 +1,7 @@
 #pragma once
 
+#include "viewer/ui/panel_layout.hpp"
+
 #include <imgui.h>
 
 #include <cstdint>
@@ -10,17 +12,8 @@ namespace atrium::viewer {
 inline const ImVec4 kHintColour{0.75f, 0.77f, 0.8f, 1.0f};
 inline const ImVec4 kWarningColour{1.0f, 0.75f, 0.3f, 1.0f};
 
-enum class Corner : std::uint8_t { kUpperLeft, kLowerLeft, kLowerRight, kMiddle };
-
-/// Places the next ImGui window in the upper left corner, or in the middle, of the picture.
-void place_in(Corner corner);
-
-/// Places the next ImGui window at the lower edge of the picture, to the right of `left` [px].
-void place_below(float left);
-
-/// Places the next ImGui window, a panel of that name, in a lower corner, or where it does not
-/// cover the panels that were laid out before it in this frame.
-void place_beside_others(const char* name, Corner corner);
+/// Distance of panels from each other and from the edges of the picture [px].
+float panel_margin();
 
 /// Whether a panel that takes the mouse lies there [px]. ImGui itself knows it one picture later.
 bool is_panel_at(float x, float y);
@@ -32,13 +25,15 @@ bool is_popup_open();
 bool close_popup();
 
 enum class PanelKind : std::uint8_t {
-    kInput,  // takes the mouse
-    kText,   // the mouse goes through it to the world
-    kCover   // as kInput; hides what lies behind it
+    kInput,    // takes the mouse
+    kText,     // the mouse goes through it to the world
+    kCover,    // as kInput; hides what lies behind it
+    kMessage,  // as kText; lies over all panels and hides what lies behind it
 };
 
-/// Begins a panel at the place that was set, see place_below.
-void begin_placed_panel(const char* name, double share, PanelKind kind = PanelKind::kInput);
+/// Begins a panel that PanelPlaces has placed. `width` [px]: of its first picture, 0: as its
+/// content. End it with ImGui::End.
+void begin_arranged_panel(const char* name, PanelKind kind = PanelKind::kInput, float width = 0.0f);
 
 /// Greatest width [px] of a panel of that share of the picture's width: more in a narrow picture,
 /// where it would cut its lines.
@@ -53,8 +48,13 @@ std::string_view first_line(std::string_view text, float width);
 /// Writes text that breaks between words only, where ImGui also breaks after the dots in names.
 void draw_wrapped(std::string_view text);
 
-/// Begins a panel as large as its content, in a corner of the picture, at most `share` of the
-/// picture's width, see widest_panel; scrolls beyond its height. End it with ImGui::End.
+/// Begins a panel as large as its content, in a corner or the middle of the picture, at most
+/// `share` of the picture's width, see widest_panel; scrolls beyond its height. End it with
+/// ImGui::End.
 void begin_panel(const char* name, Corner corner, double share, PanelKind kind = PanelKind::kInput);
+
+/// Shows a text over all panels, in the middle of the picture or at its upper edge. Nothing can be
+/// clicked on it.
+void draw_message(const char* name, Corner corner, std::string_view text);
 
 }  // namespace atrium::viewer

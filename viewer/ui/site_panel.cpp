@@ -49,8 +49,7 @@ void SitePanel::move_choice(const std::vector<SiteLine>& sites) {
 
 void SitePanel::draw(const HudContent& content, SurfaceEvents& events) {
     move_choice(content.sites);
-    place_beside_others("sites", Corner::kLowerLeft);
-    begin_placed_panel("sites", 0.6);
+    begin_arranged_panel("sites");
     ImGui::Text("%zu %s", content.sites.size(), content.sites.size() == 1 ? "site" : "sites");
     if (ImGui::BeginTable("sites", 5, ImGuiTableFlags_SizingFixedFit)) {
         for (const char* title : {"show", "solo", "site", "meshes", "state"})

@@ -62,8 +62,7 @@ void ViewpointPanel::draw_line(const ViewpointLine& line, SurfaceEvents& events)
 }
 
 void ViewpointPanel::draw(const HudContent& content, SurfaceEvents& events) {
-    place_beside_others("viewpoints", Corner::kLowerRight);
-    begin_placed_panel("viewpoints", 0.6);
+    begin_arranged_panel("viewpoints");
     const std::size_t num = content.viewpoints.size();
     ImGui::Text("%zu viewpoint%s", num, num == 1 ? "" : "s");
     if (ImGui::BeginTable("viewpoints", 4, ImGuiTableFlags_SizingFixedFit)) {

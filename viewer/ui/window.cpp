@@ -1,11 +1,13 @@
 #include "core/gl/entry_points.hpp"
 #include "viewer/overlay/label_scale.hpp"
+#include "viewer/ui/asked_again.hpp"
 #include "viewer/ui/edit_panel.hpp"
 #include "viewer/ui/fields.hpp"
 #include "viewer/ui/full_screen.hpp"
 #include "viewer/ui/hud.hpp"
 #include "viewer/ui/keys.hpp"
 #include "viewer/ui/menu.hpp"
+#include "viewer/ui/panel_places.hpp"
 #include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/site_panel.hpp"
 #include "viewer/ui/surface.hpp"
@@ -25,13 +27,12 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
-#include <optional>
 #include <utility>
+#include <vector>
 
 namespace atrium::viewer {
 namespace {
 
-constexpr double kAsksS = 3.0;
 constexpr float kDoubleClickS = 0.3f;
 constexpr float kDoubleClickPictures = 5.0f;  // down, up, down, and one between
 
@@ -123,7 +124,7 @@ public:
         lay_out([&] {
             // the list of keys would cut the other panels
             are_keys_shown_ ? draw_keys() : draw_panels(content);
-            if (const auto asked = asked_again()) draw_question(*asked);
+            draw_messages(content);
         });
         swap();
     }
@@ -162,12 +163,24 @@ private:
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     }
     void draw_panels(const HudContent& content) {
-        const float hud_right = is_hud_shown_ ? draw_hud(content, has_details_) : 0.0f;
+        std::vector<PanelAsk> shown;
+        if (is_hud_shown_) shown.push_back({"figures", Corner::kUpperLeft});
+        if (is_menu_shown_) shown.push_back({"menu", Corner::kUpperRight, Menu::width()});
+        if (has_selection_) shown.push_back({"edit", Corner::kLowerLeft, EditPanel::width()});
+        if (are_sites_shown_) shown.push_back({"sites", Corner::kLowerLeft});
+        if (are_views_shown_) shown.push_back({"viewpoints", Corner::kLowerRight});
+        places_.arrange(shown);
+        if (is_hud_shown_) draw_hud(content, has_details_, places_.widest("figures"));
         if (is_menu_shown_) menu_.draw(content, events_);
-        // beside the long panel
-        edit_panel_.draw(content, has_details_ ? hud_right : 0.0f, events_);
+        edit_panel_.draw(content, events_);
         if (are_sites_shown_) sites_.draw(content, events_);
         if (are_views_shown_) views_.draw(content, events_);
+    }
+    void draw_messages(const HudContent& content) {
+        const bool has_panels = is_hud_shown_ || is_menu_shown_ || has_selection_;
+        if (has_panels && !content.notice.empty())
+            draw_message("message", Corner::kUpperMiddle, content.notice);
+        if (const auto asked = asked_.action(glfwGetTime())) draw_question(*asked);
     }
     void swap() {
         glFinish();  // separates drawing from waiting for the display
@@ -185,7 +198,7 @@ private:
     }
     void pressed(const PressedKey& key) {
         // any other key takes back what a first one asked
-        if (asked_ && *asked_ != key.action) asked_.reset();
+        asked_.pressed(key.action);
         if (is_layout_only_) {
             if (key.action == Action::kFullScreen) full_screen_.toggle(window_);
             return;
@@ -193,7 +206,7 @@ private:
         // a reset cannot be undone; some keyboards have Backspace where others have Delete
         const bool asks =
             key.action == Action::kReset || (key.action == Action::kOtherWorld && has_selection_);
-        if (asks && !is_confirmed(key.action)) return;
+        if (asks && !asked_.is_confirmed(key.action, glfwGetTime())) return;
         if (change_view(key, events_) || change_selected(key, events_.edit)) return;
         change_panels(key);
     }
@@ -275,19 +288,9 @@ private:
             events_.edit.cancel = true;
         else if (is_inside_)
             events_.leave_eyes = true;
-        else if (is_confirmed(Action::kClose))  // one Esc too many must not end a recording
+        else if (asked_.is_confirmed(Action::kClose,
+                                     glfwGetTime()))  // one Esc too many must not end a recording
             glfwSetWindowShouldClose(window_, GLFW_TRUE);
-    }
-    // The action whose key must be pressed again, if one was lately.
-    std::optional<Action> asked_again() const {
-        return glfwGetTime() - asked_at_s_ < kAsksS ? asked_ : std::nullopt;
-    }
-    // True at the second press; the first one asks.
-    bool is_confirmed(Action action) {
-        const bool is_second = asked_again() == action;
-        asked_ = is_second ? std::nullopt : std::optional(action);
-        asked_at_s_ = glfwGetTime();
-        return is_second;
     }
     bool is_down(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
 
@@ -350,8 +353,8 @@ private:
     bool is_dragging_ = false;    // a handle, in the last picture
     bool has_selection_ = false;  // in the last picture
     bool is_inside_ = false;      // of a person's eyes, in the last picture
-    std::optional<Action> asked_;
-    double asked_at_s_ = 0.0;
+    AskedAgain asked_;
+    PanelPlaces places_;
     TappedKeys taps_;
     SitePanel sites_;
     ViewpointPanel views_;

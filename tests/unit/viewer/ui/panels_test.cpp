@@ -1,14 +1,16 @@
 #include "tests/support/source_dir.hpp"
 #include "viewer/start/start_screen.hpp"
 #include "viewer/ui/curve.hpp"
-#include "viewer/ui/free_place.hpp"
 #include "viewer/ui/keys.hpp"
+#include "viewer/ui/panel_layout.hpp"
 #include "viewer/ui/site_lines.hpp"
 #include "viewer/ui/ui_scale.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <map>
 #include <regex>
@@ -116,6 +118,83 @@ TEST(Panels, LieBesideEachOtherWhereThereIsRoom) {
     EXPECT_EQ(moved.top, 560 - 10 - 130) << "above the list that it would cover";
     const PanelBox squeezed = free_place({100, 100, 250, 150}, {{10, 10, 280, 100}}, 300, 200, 10);
     EXPECT_EQ(squeezed.top, 40) << "within the picture, covering as little as it can";
+}
+
+// Panels as they are at scale 1, at the size of a window.
+struct PanelCase {
+    std::array<float, 2> window;
+    float scale;
+};
+class PanelLayout : public testing::TestWithParam<PanelCase> {
+protected:
+    PanelWish wish(Corner corner, float width, float height) const {
+        return {corner, GetParam().scale * width, GetParam().scale * height};
+    }
+    PanelRoom room() const {
+        const auto& [window, scale] = GetParam();
+        return {window[0], window[1], 10.0f * scale, 14.0f * scale};
+    }
+};
+
+TEST_P(PanelLayout, CoversNoPanelAndStaysInThePicture) {
+    const std::vector<PanelWish> all{wish(Corner::kUpperLeft, 340, 80),
+                                     wish(Corner::kUpperRight, 290, 520),
+                                     wish(Corner::kLowerLeft, 368, 310),
+                                     wish(Corner::kLowerLeft, 420, 150),
+                                     wish(Corner::kLowerRight, 400, 130)};
+    for (unsigned shown = 1; shown < 1u << all.size(); ++shown) {
+        std::vector<PanelWish> wishes;
+        for (std::size_t i = 0; i < all.size(); ++i)
+            if (((shown >> i) & 1u) != 0u) wishes.push_back(all[i]);
+        const std::vector<PanelBox> boxes = lay_out_panels(wishes, room());
+        ASSERT_EQ(boxes.size(), wishes.size());
+        const float margin = room().margin - 0.01f;  // rounding
+        for (std::size_t i = 0; i < boxes.size(); ++i) {
+            const PanelBox& box = boxes[i];
+            EXPECT_GE(box.left, margin) << shown;
+            EXPECT_GE(box.top, margin) << shown;
+            EXPECT_LE(box.left + box.width, room().width - margin) << shown;
+            EXPECT_LE(box.top + box.height, room().height - margin) << shown;
+            EXPECT_GE(box.height, std::min(wishes[i].height, 0.2f * room().height)) << shown;
+            EXPECT_GE(box.width, std::min(wishes[i].width, 0.4f * room().width)) << shown;
+            for (std::size_t k = 0; k < i; ++k) {
+                const PanelBox common = common_part(box, boxes[k]);
+                EXPECT_LT(common.width * common.height, 1.0f) << shown << ": " << k << ", " << i;
+            }
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Windows,
+                         PanelLayout,
+                         testing::Values(PanelCase{{1280, 720}, 1.0f},
+                                         PanelCase{{1280, 720}, 1.5f},
+                                         PanelCase{{1280, 720}, 2.0f},
+                                         PanelCase{{636, 400}, 1.0f},
+                                         PanelCase{{3840, 2160}, 2.0f},
+                                         PanelCase{{3840, 2160}, 3.0f}));
+
+TEST(Panels, KeepTheirSizeAndCornerWhereTheyFit) {
+    const std::vector<PanelWish> wishes{{Corner::kUpperLeft, 340, 80},
+                                        {Corner::kUpperRight, 290, 520},
+                                        {Corner::kLowerLeft, 368, 310},
+                                        {Corner::kLowerLeft, 420, 150}};
+    const std::vector<PanelBox> boxes = lay_out_panels(wishes, {1280, 720, 10, 14});
+    EXPECT_EQ(boxes[1].left, 1280 - 10 - 290);
+    EXPECT_EQ(boxes[1].height, 520);
+    EXPECT_EQ(boxes[2].top, 720 - 10 - 310);
+    EXPECT_EQ(boxes[3].left, 10 + 368 + 10) << "beside the object's panel";
+    EXPECT_EQ(boxes[3].height, 150);
+}
+
+TEST(Panels, CutTheLargestFirst) {
+    const std::vector<PanelWish> wishes{{Corner::kUpperLeft, 340, 80},
+                                        {Corner::kLowerLeft, 368, 310}};
+    const std::vector<PanelBox> boxes = lay_out_panels(wishes, {400, 360, 10, 14});
+    EXPECT_EQ(boxes[0].height, 80);
+    EXPECT_EQ(boxes[1].height, 360 - 3 * 10 - 80);
+    EXPECT_EQ(boxes[1].width, 380) << "as wide as the picture lets it, for its scroll bar";
+    EXPECT_EQ(boxes[1].top + boxes[1].height, 350);
 }
 
 TEST(Curve, HasAScaleOfRoundNumbers) {

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "viewer/ui/panel_layout.hpp"
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// A panel that a picture shows.
+struct PanelAsk {
+    const char* name;
+    Corner corner;
+    float width_px = 0.0f;  // 0: as its content
+};
+
+/// Places all panels of a picture: the only piece of layout that does. Panels that do not fit
+/// beside each other get less room and scroll.
+class PanelPlaces {
+public:
+    /// Call it in an ImGui frame before the panels, which `begin_arranged_panel` begins. A new
+    /// panel is hidden for one picture, in which ImGui finds its size.
+    void arrange(std::span<const PanelAsk> shown);
+
+    /// Width that a panel may have [px].
+    float widest(const std::string& name) const;
+    /// Places in the last picture.
+    const std::vector<PanelBox>& boxes() const { return boxes_; }
+
+private:
+    PanelWish wish_of(const PanelAsk& ask);
+
+    struct Width {
+        float wanted = 0.0f;
+        float given = 0.0f;
+    };
+    std::map<std::string, Width> widths_;
+    std::vector<PanelBox> boxes_;
+    PanelBox picture_;  // and the size of the letters, for which `widths_` are valid
+    float letter_px_ = 0.0f;
+};
+
+}  // namespace atrium::viewer
