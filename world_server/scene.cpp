@@ -171,7 +171,7 @@ Expected<std::vector<SceneChange>> Scene::apply(const bus::SceneCommand& command
         case bus::CommandKind::kAdd:
             return add(command.object);
         case bus::CommandKind::kRemove:
-            return remove(command.target);
+            return remove_for(command);
         case bus::CommandKind::kPush:
             return push(command);
         case bus::CommandKind::kReset:

@@ -96,6 +96,7 @@ private:
     Expected<void> add_soft(const WorldSoftObject& soft);
     Expected<std::vector<SceneChange>> add(const bus::SceneObject& object);
     Expected<std::vector<SceneChange>> remove(std::uint32_t id);
+    Expected<std::vector<SceneChange>> remove_for(const bus::SceneCommand& command);
     Expected<std::vector<SceneChange>> push(const bus::SceneCommand& command);
     Expected<std::vector<SceneChange>> hold(const bus::SceneCommand& command);
     Expected<EditOutcome> add(const bus::SceneEdit& edit, const ModelParts& parts);
@@ -103,6 +104,7 @@ private:
     Expected<EditOutcome> change(const bus::SceneEdit& edit);
     Expected<EditOutcome> place(const bus::SceneEdit& edit);
     Expected<EditOutcome> hold(const bus::SceneEdit& edit);
+    std::string why_gone(std::uint32_t id) const;
     Expected<void> check_target(const bus::SceneEdit& edit) const;
     EditOutcome done(const bus::SceneEdit& edit, std::uint32_t object);
     Expected<void> put(const bus::SceneObject& object, const ModelParts& parts);
@@ -120,7 +122,7 @@ private:
     std::string loaded_;
     struct Edited {
         std::uint32_t revision = 0;
-        std::string by;
+        std::string by;  // empty: before the world was loaded
     };
     std::map<std::uint32_t, Edited> edited_;  // objects in the world, and removed ones
     struct Removed {

@@ -82,6 +82,16 @@ Expected<std::vector<SceneChange>> Scene::remove(std::uint32_t id) {
     return std::vector<SceneChange>{change};
 }
 
+Expected<std::vector<SceneChange>> Scene::remove_for(const bus::SceneCommand& command) {
+    auto removed = remove(command.target);
+    if (removed && removed_.contains(command.target)) {
+        Edited& edited = edited_[command.target];
+        ++edited.revision;
+        edited.by = command.sender;
+    }
+    return removed;
+}
+
 Expected<std::vector<SceneChange>> Scene::push(const bus::SceneCommand& command) {
     const auto found = objects_.find(command.target);
     if (found == objects_.end() || found->second.mass_kg == 0.0) {

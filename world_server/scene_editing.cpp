@@ -50,11 +50,22 @@ EditOutcome Scene::done(const bus::SceneEdit& edit, std::uint32_t object) {
     return outcome;
 }
 
+// Why an object that a viewer knew is no longer there, for the user.
+std::string Scene::why_gone(std::uint32_t id) const {
+    const auto removed = removed_.find(id);
+    if (removed == removed_.end())
+        return fmt::format(
+            "there is no object {} any more: it was removed, or the world was loaded again", id);
+    const auto edited = edited_.find(id);
+    const bool is_known = edited != edited_.end() && !edited->second.by.empty();
+    return removed->second.object.name + " was removed" +
+           (is_known ? " by " + edited->second.by : "");
+}
+
 // Checks that the object exists, and that nobody else has edited it meanwhile or holds it.
 Expected<void> Scene::check_target(const bus::SceneEdit& edit) const {
     const auto found = objects_.find(edit.target);
-    if (found == objects_.end())
-        return refuse_edit(fmt::format("there is no object {} any more", edit.target));
+    if (found == objects_.end()) return refuse_edit(why_gone(edit.target));
     const std::string& name = found->second.name;
     const std::string holder = world_->holder_of(edit.target);
     if (!holder.empty() && holder != edit.sender)
@@ -62,9 +73,9 @@ Expected<void> Scene::check_target(const bus::SceneEdit& edit) const {
     const auto edited = edited_.find(edit.target);
     const std::uint32_t revision = edited == edited_.end() ? 0 : edited->second.revision;
     if (edit.revision != bus::SceneEdit::kAnyRevision && edit.revision != revision) {
-        return refuse_edit(fmt::format("{} was changed by {} meanwhile",
-                                       name,
-                                       edited == edited_.end() ? "somebody" : edited->second.by));
+        if (edited == edited_.end() || edited->second.by.empty())
+            return refuse_edit("the world was loaded again");
+        return refuse_edit(fmt::format("{} was changed by {} meanwhile", name, edited->second.by));
     }
     return {};
 }
@@ -214,7 +225,7 @@ Expected<void> Scene::restore_edited(const bus::SceneObject& object) {
     }
     world_->set_start(object.object, object.world_from_object);
     found->second = object;
-    edited_[object.object] = {1, "somebody"};
+    edited_[object.object] = {1, {}};
     return {};
 }
 

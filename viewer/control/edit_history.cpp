@@ -170,9 +170,34 @@ void EditHistory::finish(Pending& pending, const bus::EditResult& result) {
     const bool is_there = (step.kind == bus::EditKind::kAdd && pending.as != As::kUndo) ||
                           (step.kind == bus::EditKind::kRemove && pending.as == As::kUndo);
     if (is_there) added_ = result.object;
+    if (is_there && removed_ == result.object) removed_ = 0;
+    if (removes(step, pending.as)) removed_ = result.object;
     if (pending.as == As::kUndo) return push_bounded(redone_from_, std::move(step));
     push_bounded(undone_from_, std::move(step));
     if (pending.as == As::kNew) redone_from_.clear();
+}
+
+bool EditHistory::removes(const Step& step, As as) {
+    return step.kind == (as == As::kUndo ? bus::EditKind::kAdd : bus::EditKind::kRemove);
+}
+
+bool EditHistory::has_removed(std::uint32_t object) const {
+    return removed_ == object || std::ranges::any_of(pending_, [&](const Pending& pending) {
+               return pending.step && pending.step->object == object &&
+                      removes(*pending.step, pending.as);
+           });
+}
+
+// What the user reads about the answer to an edit that is no longer watched then.
+std::string EditHistory::take_answered(std::vector<Pending>& from,
+                                       std::size_t at,
+                                       const bus::EditResult& result) {
+    Pending pending = std::move(from[at]);
+    from.erase(from.begin() + static_cast<std::ptrdiff_t>(at));
+    std::string text = text_of(pending, result);
+    if (result.is_done && !result.text.empty()) text += ": " + result.text;
+    finish(pending, result);
+    return text;
 }
 
 std::vector<std::string> EditHistory::take(const std::vector<bus::EditResult>& results,
@@ -180,22 +205,23 @@ std::vector<std::string> EditHistory::take(const std::vector<bus::EditResult>& r
                                            Clock::time_point now) {
     std::vector<std::string> texts;
     for (const bus::EditResult& result : results) {
-        const auto found =
-            std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
-                return pending.number == result.number;
-            });
-        if (found == pending_.end()) {
+        const auto find_in = [&](const std::vector<Pending>& list) {
+            return static_cast<std::size_t>(
+                std::ranges::find(list, result.number, &Pending::number) - list.begin());
+        };
+        if (const std::size_t at = find_in(pending_); at < pending_.size()) {
+            texts.push_back(take_answered(pending_, at, result));
+        } else if (const std::size_t late = find_in(late_); late < late_.size()) {
+            const auto after_s =
+                std::chrono::duration_cast<std::chrono::seconds>(now - late_[late].since).count();
+            texts.push_back(
+                fmt::format("{} (late, after {} s)", take_answered(late_, late, result), after_s));
+        } else {
             // not watched: a hold that was refused, the end of a cancelled drag, or a command,
             // whose answer has no number
             if (!result.is_done || result.number == 0) texts.push_back(result.text);
             if (result.is_done && result.revision > 0) revisions_[result.object] = result.revision;
-            continue;
         }
-        std::string text = text_of(*found, result);
-        if (result.is_done && !result.text.empty()) text += ": " + result.text;
-        texts.push_back(std::move(text));
-        finish(*found, result);
-        pending_.erase(found);
     }
     std::erase_if(pending_, [&](const Pending& pending) {
         if (now - pending.since < kPatience) return false;
@@ -204,6 +230,8 @@ std::vector<std::string> EditHistory::take(const std::vector<bus::EditResult>& r
                                     has_server ? "the world server did not react"
                                                : "no world server that knows edits is running"));
         wanted_.clear();
+        if (late_.size() >= kMaxPending) late_.erase(late_.begin());
+        late_.push_back(pending);
         return true;
     });
     return texts;

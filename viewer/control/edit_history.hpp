@@ -53,7 +53,8 @@ public:
     void want_undo() { want(true); }
     void want_redo() { want(false); }
 
-    /// Takes results; returns what the user should read. `has_server`: a world server that knows
+    /// Takes results; returns what the user should read. A result that comes after "no result" was
+    /// said corrects it. `has_server`: a world server that knows
     /// edits is there.
     std::vector<std::string> take(const std::vector<bus::EditResult>& results,
                                   bool has_server,
@@ -62,6 +63,8 @@ public:
     /// nothing to undo.
     std::optional<bus::SceneEdit> next(Clock::time_point now, std::vector<std::string>& texts);
 
+    /// Whether this viewer has removed the object, or asks for it: with an edit, its undo or redo.
+    bool has_removed(std::uint32_t object) const;
     /// Object that the last finished edit added or brought back, once. 0: none.
     std::uint32_t take_added();
     /// An object was added whose result has not come yet.
@@ -87,16 +90,22 @@ private:
                          Clock::time_point now);
     bus::SceneEdit opposite(const Step& step, As as);
     void finish(Pending& pending, const bus::EditResult& result);
+    static bool removes(const Step& step, As as);
     std::string text_of(const Pending& pending, const bus::EditResult& result) const;
+    std::string take_answered(std::vector<Pending>& from,
+                              std::size_t at,
+                              const bus::EditResult& result);
 
     std::string sender_;
     std::uint32_t last_number_ = 0;
     std::vector<Pending> pending_;   // oldest first
+    std::vector<Pending> late_;      // without a result when it was due; oldest first
     std::vector<Step> undone_from_;  // oldest first
     std::vector<Step> redone_from_;
     std::deque<bool> wanted_;                           // true: undo
     std::map<std::uint32_t, std::uint32_t> revisions_;  // of objects after this viewer's last edit
     std::uint32_t added_ = 0;
+    std::uint32_t removed_ = 0;  // by this viewer, last
 };
 
 }  // namespace atrium::viewer

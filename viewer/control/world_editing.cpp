@@ -10,6 +10,9 @@ constexpr double kClickPx = 4.0;          // a press that moves further is a dra
 constexpr double kClickHeightPx = 720.0;  // of the picture; more in a higher one
 constexpr std::chrono::milliseconds kHoldPeriod{15};
 constexpr std::chrono::milliseconds kHoldSignOfLife{500};
+constexpr std::chrono::milliseconds kNameComes{300};  // the result of an edit, after its effect
+constexpr std::chrono::seconds kNameValid{1};         // or before it
+constexpr std::size_t kMaxEditors = 256;
 
 bool is_same(const geometry::RigidTransform& a, const geometry::RigidTransform& b) {
     return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
@@ -47,6 +50,7 @@ WorldEditing::Edits WorldEditing::update(const EditEvents& events,
     }
     if (const std::uint32_t added = history_.take_added(); added != 0) selected_ = added;
     if (selected_ != 0 && !shown.objects.contains(selected_) && !drag_) hovered_.reset();
+    tell_removed(shown, now);
     if (std::exchange(lets_go_, false))
         out.push_back(history_.edit(bus::EditKind::kLetGo, dragged_.object.object));
     take_keys(events, shown, now, out);
@@ -140,8 +144,7 @@ void WorldEditing::drag(const EditEvents& events,
                         Clock::time_point now,
                         Edits& out) {
     if (!shown.objects.contains(dragged_.object.object)) {
-        drag_.reset();
-        texts_.push_back(dragged_.object.name + " was removed meanwhile");
+        drag_.reset();  // `tell_removed` says so
         return;
     }
     if (!shown.pointer.is_down) {
@@ -239,6 +242,39 @@ WorldEditing::Edits WorldEditing::remove(std::uint32_t object,
     return {history_.remove(*removed, now)};
 }
 
+// Tells that the selected object was removed, and by whom. Whoever removed it knows; without any
+// object the world server is gone, which the panel says.
+void WorldEditing::tell_removed(const Shown& shown, Clock::time_point now) {
+    if (const auto found = shown.objects.find(selected_); found != shown.objects.end()) {
+        seen_ = selected_;
+        selected_name_ = found->second.name;
+        gone_since_.reset();
+        return;
+    }
+    if (selected_ == 0 || seen_ != selected_ || drag_ || shown.objects.empty()) {
+        gone_since_.reset();
+        return;
+    }
+    if (!gone_since_) gone_since_ = now;
+    const auto editor = editors_.find(selected_);
+    const bool has_name =
+        editor != editors_.end() && editor->second.at + kNameValid >= *gone_since_;
+    if (!has_name && now - *gone_since_ < kNameComes) return;
+    if (!history_.has_removed(selected_) && commanded_ != selected_)
+        texts_.push_back(selected_name_ + " was removed" +
+                         (has_name ? " by " + editor->second.name : ""));
+    gone_since_.reset();
+    selected_ = seen_ = 0;
+}
+
+void WorldEditing::take_others(const std::vector<bus::EditResult>& results, Clock::time_point now) {
+    for (const bus::EditResult& result : results) {
+        if (editors_.size() >= kMaxEditors && !editors_.contains(result.object))
+            editors_.erase(editors_.begin());
+        editors_[result.object] = {result.sender, now};
+    }
+}
+
 // A click that selects also takes hold of the object for a moment: only a drag is told that it may
 // not pull.
 void WorldEditing::take_refused_pulls(std::vector<bus::EditResult>& results) {
@@ -253,6 +289,9 @@ std::vector<std::string> WorldEditing::take(EditNews news, Clock::time_point now
     if (news.is_server_gone) worlds_.reset();
     if (news.saved_worlds)
         worlds_ = std::make_shared<const bus::SavedWorlds>(std::move(*news.saved_worlds));
+    take_others(news.of_others, now);
+    for (const bus::EditResult& result : news.results)
+        if (result.is_done) editors_.erase(result.object);  // this viewer is the last
     take_refused_pulls(news.results);
     // the server refused the hold
     const bool was_hold_refused =

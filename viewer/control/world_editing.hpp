@@ -7,7 +7,9 @@
 #include "viewer/receive/edit_link.hpp"
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -60,6 +62,8 @@ public:
                     Clock::time_point now);
     /// The pose is where the object is shown.
     Edits remove(std::uint32_t object, const Shown& shown, Clock::time_point now);
+    /// This viewer removes the object by a command: its user needs not be told.
+    void expect_removal(std::uint32_t object) { commanded_ = object; }
 
     /// Takes news of the server; returns what the user should read.
     std::vector<std::string> take(EditNews news, Clock::time_point now);
@@ -71,6 +75,8 @@ private:
     std::optional<EditHistory::Object> object_of(std::uint32_t id, const Shown& shown) const;
     EditHandles handles_of(const EditHistory::Object& object) const;
     void take_keys(const EditEvents& events, const Shown& shown, Clock::time_point now, Edits& out);
+    void tell_removed(const Shown& shown, Clock::time_point now);
+    void take_others(const std::vector<bus::EditResult>& results, Clock::time_point now);
     void take_refused_pulls(std::vector<bus::EditResult>& results);
     void select_by_click(const Shown& shown);
     void press(const Shown& shown, Clock::time_point now);
@@ -99,6 +105,15 @@ private:
     std::string refused_pull_;  // answer to the last press, not shown yet; empty: none
     Eigen::Vector2d pressed_px_ = Eigen::Vector2d::Zero();
     std::vector<std::string> texts_;
+    struct Editor {
+        std::string name;
+        Clock::time_point at;
+    };
+    std::map<std::uint32_t, Editor> editors_;      // other viewers that edited an object last
+    std::string selected_name_;                    // of the selected object when it was last seen
+    std::uint32_t seen_ = 0;                       // selected object that was in the world
+    std::optional<Clock::time_point> gone_since_;  // the selected object is
+    std::uint32_t commanded_ = 0;
 };
 
 }  // namespace atrium::viewer

@@ -38,6 +38,9 @@ bus::TakeReport EditLink::receive() {
         const std::lock_guard lock(*mutex_);
         if (result.sender == viewer_ && news_.results.size() < kMaxResults)
             news_.results.push_back(std::move(result));
+        else if (result.sender != viewer_ && result.is_done && result.object != 0 &&
+                 news_.of_others.size() < kMaxResults)
+            news_.of_others.push_back(std::move(result));
     });
     const bus::TakeReport of_lists = saved_worlds_.take(
         [this](bus::SavedWorlds&& saved) {

@@ -14,6 +14,7 @@ namespace atrium::viewer {
 /// What came from the world server about edits since the last call of `EditLink::take`.
 struct EditNews {
     std::vector<bus::EditResult> results;          // of this viewer's edits
+    std::vector<bus::EditResult> of_others;        // done, of an object
     std::optional<bus::SavedWorlds> saved_worlds;  // newest list
     bool is_server_gone = false;                   // the server that sent lists has left
 };

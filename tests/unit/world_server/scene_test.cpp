@@ -97,6 +97,34 @@ TEST_F(SceneCommands, RemoveAcceptsMovableObjectsNotTheFloor) {
                 HasSubstr("fixed"));
 }
 
+TEST_F(SceneCommands, RefusedEditsSayTheCause) {
+    bus::SceneEdit edit;
+    edit.sender = "eve";
+    edit.kind = bus::EditKind::kPlace;
+    edit.target = 2;
+    edit.revision = 3;  // of an edit before the world was loaded
+    EXPECT_EQ(scene->edit(edit, {}).error().message, "the world was loaded again");
+    bus::SceneEdit removal;
+    removal.sender = "bob";
+    removal.kind = bus::EditKind::kRemove;
+    removal.target = 2;
+    ASSERT_TRUE(scene->edit(removal, {}));
+    EXPECT_THAT(scene->edit(edit, {}).error().message, testing::EndsWith(" was removed by bob"));
+    edit.target = 77;
+    EXPECT_EQ(scene->edit(edit, {}).error().message,
+              "there is no object 77 any more: it was removed, or the world was loaded again");
+}
+
+TEST_F(SceneCommands, ARemovalByCommandHasANameToo) {
+    bus::SceneCommand removal = command(bus::CommandKind::kRemove, 2);
+    removal.sender = "carol";
+    ASSERT_TRUE(scene->apply(removal));
+    bus::SceneEdit edit;
+    edit.kind = bus::EditKind::kPlace;
+    edit.target = 2;
+    EXPECT_THAT(scene->edit(edit, {}).error().message, testing::EndsWith(" was removed by carol"));
+}
+
 TEST_F(SceneCommands, PushIsBoundedByTheSpeedLimit) {
     bus::SceneCommand push = command(bus::CommandKind::kPush, 2);
     push.impulse_ns = {1.0, 0, 0};

@@ -130,6 +130,32 @@ TEST(EditHistory, ReportsWhatHasNoResult) {
         ElementsAre("held by bob"));
 }
 
+TEST(EditHistory, CorrectsThatThereIsNoResultWhenItComesLate) {
+    History history("eve");
+    const auto load = history.load_world("evening", kBegin);
+    const auto change = history.change(thing_of(7, 1.0), thing_of(7, 2.0).object, kBegin);
+    EXPECT_THAT(history.take({}, true, kBegin + 3s), SizeIs(2));
+    EXPECT_THAT(history.take({answer(load, 0, 0), answer(change, 1, 7)}, true, kBegin + 6s),
+                ElementsAre("world evening was loaded (late, after 6 s)",
+                            "ball was changed (late, after 6 s)"));
+    ASSERT_NE(history.undo_step(), nullptr) << "it can be undone";
+    EXPECT_THAT(history.take({answer(load, 0, 0)}, true, kBegin + 7s), IsEmpty()) << "once";
+}
+
+TEST(EditHistory, KnowsWhatThisViewerRemoved) {
+    History history("eve");
+    std::vector<std::string> texts;
+    const auto remove = history.remove(thing_of(7, 1.0), kBegin);
+    EXPECT_TRUE(history.has_removed(7)) << "asked for";
+    history.take({answer(remove, 1, 7)}, true, kBegin);
+    EXPECT_TRUE(history.has_removed(7));
+    history.want_undo();
+    const auto undo = history.next(kBegin, texts);
+    ASSERT_TRUE(undo);
+    history.take({answer(*undo, 2, 7)}, true, kBegin);
+    EXPECT_FALSE(history.has_removed(7)) << "it is back";
+}
+
 TEST(EditHistory, PassesOnAnswersToCommands) {
     History history("eve");
     history.change(thing_of(7, 1.0), thing_of(7, 2.0).object, kBegin);
