@@ -126,7 +126,8 @@ private:
     std::unique_ptr<Surface> surface_;
 };
 
-// A folder of models that is not there or closed to this user. The default one may be missing.
+// A folder of models that is not there or closed to this user. The default one may be missing,
+// which is logged.
 Expected<void> check_models(const ViewerConfig& config) {
     std::error_code failure;
     const bool is_default = config.models == ViewerConfig().models;
@@ -137,7 +138,13 @@ Expected<void> check_models(const ViewerConfig& config) {
                                       "a+rx` on it",
                                       config.models.string()));
     }
-    if (is_default) return {};
+    if (is_default) {
+        app::log::warn(
+            "models_folder_missing folder={}; objects with models are drawn as boxes; give the "
+            "folder of the world's models and textures with --viewer.models FOLDER",
+            config.models.string());
+        return {};
+    }
     const std::string meant = config::ask_which_path(config.models);
     return make_error(ErrorKind::kNotFound,
                       fmt::format("viewer.models: {} is no folder{}{}",

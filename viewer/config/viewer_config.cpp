@@ -1,5 +1,6 @@
 #include "viewer/config/viewer_config.hpp"
 
+#include "core/app/process.hpp"
 #include "core/bus/bus_options.hpp"
 #include "core/bus/names.hpp"
 #include "core/presence/membership.hpp"
@@ -11,7 +12,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
+#include <system_error>
 
 namespace atrium::viewer {
 
@@ -98,6 +101,15 @@ void declare(DisplayConfig& display, config::OptionSet& set) {
 
 }  // namespace
 
+std::filesystem::path usual_models() {
+    const std::filesystem::path above = app::program_folder().parent_path();
+    const std::filesystem::path installed = above / "deploy" / "worlds";
+    std::error_code ignored;
+    return std::filesystem::is_directory(installed, ignored)
+               ? installed
+               : above.parent_path() / "deploy" / "worlds";
+}
+
 void declare(ViewerConfig& config, config::OptionSet& set) {
     bus::declare(config.bus, set);
     app::declare(config.process, set);
@@ -118,7 +130,10 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
     set.add("screenshot_dir",
             config.screenshot_dir,
             "folder for screenshots (F12 or P) and videos (F9); default: the current one");
-    set.add("viewer.models", config.models, "local folder of the models that worlds name");
+    set.add(
+        "viewer.models",
+        config.models,
+        "local folder of the models that worlds name; default: deploy/worlds of this installation");
     set.add("video.file", config.video.file, "video to write: .avi, .mp4 or .mkv; empty: none");
     set.add("video.fps",
             config.video.fps,

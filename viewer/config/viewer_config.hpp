@@ -57,6 +57,10 @@ struct VideoConfig {
     std::filesystem::path virtual_camera{};  // V4L2 output device; empty: none
 };
 
+/// The folder of the delivered worlds, beside the folder of this program: in the repository, of
+/// which the program lies in a build folder, or where it was installed with its folder deploy.
+std::filesystem::path usual_models();
+
 struct ViewerConfig {
     bus::BusOptions bus;
     app::ProcessOptions process{.nice = 2};  // capture, sites and world have priority
@@ -70,8 +74,8 @@ struct ViewerConfig {
     double wait_timeout_s = 30.0;
     std::filesystem::path output;  // file of the last picture; empty: none
     std::filesystem::path screenshot_dir = ".";
-    std::filesystem::path models = "deploy/worlds";  // folder of the worlds' models
-    std::vector<Viewpoint> viewpoints;               // numbered from 1; only a file can set them
+    std::filesystem::path models = usual_models();  // folder of the worlds' models
+    std::vector<Viewpoint> viewpoints;              // numbered from 1; only a file can set them
     bool has_other_worlds = false;         // the user may leave the world for the list of worlds
     std::filesystem::path viewpoint_file;  // of the user; empty: kept until the end
 };

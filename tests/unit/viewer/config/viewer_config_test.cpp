@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 namespace atrium::viewer {
 namespace {
 
@@ -19,6 +21,11 @@ TEST(ViewerConfig, NamesTheKeyOfABadPoint) {
         EXPECT_EQ(p.error().kind, ErrorKind::kConfiguration);
         EXPECT_THAT(p.error().message, testing::HasSubstr("view.target_m"));
     }
+}
+
+TEST(ViewerConfig, FindsTheDeliveredModelsFromAnyFolder) {
+    EXPECT_TRUE(usual_models().is_absolute());
+    EXPECT_TRUE(std::filesystem::is_regular_file(usual_models() / "demo.toml")) << usual_models();
 }
 
 TEST(ViewerConfig, RefusesATargetAtTheEye) {
