@@ -126,7 +126,10 @@ void WorldPanel::draw_models(const HudContent& content, SurfaceEvents& events) {
             events.edit.hint = std::move(problem);
     };
     number("scale", scale_, {0.0001f, 10000.0f, "%.4f"});
-    number("mass##model", mass_kg_, {0.01f, 1000.0f, "%.2f kg"});
+    const Eigen::Vector3d size_m =
+        is_measured ? Eigen::Vector3d(static_cast<double>(scale_) * content.model_size->size_m)
+                    : Eigen::Vector3d::Zero();
+    number("mass##model", mass_kg_, masses_of(bus::Shape::kConvex, size_m, 0.0));
     ImGui::Checkbox("fixed##model", &is_fixed_);
     ImGui::SameLine();
     ImGui::Checkbox("hull of each part", &is_compound_);

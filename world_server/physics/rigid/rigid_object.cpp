@@ -1,11 +1,12 @@
 #include "world_server/physics/rigid/rigid_object.hpp"
 
+#include "core/base/allowed_mass.hpp"
 #include "core/geometry/aabb.hpp"
+#include "core/geometry/simple_volumes.hpp"
 #include "world_server/physics/rigid/convex_hull.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <sstream>
 
 namespace atrium::physics {
@@ -14,22 +15,13 @@ namespace {
 constexpr double kMinSizeM = 0.01;
 constexpr double kMaxSizeM = 20.0;
 constexpr double kMinPartM = 0.004;  // smallest extent of a part
-constexpr double kMaxMassKg = 10'000.0;
-constexpr double kMinDensity = 1.0;       // [kg/m^3] about a balloon
-constexpr double kMaxDensity = 30'000.0;  // [kg/m^3] denser than any metal in use
 
-// To three digits, up or down.
-double rounded(double value, double (*round)(double)) {
-    const double step = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
-    return round(value / step) * step;
-}
-
-std::string allowed_masses(double volume_m3) {
-    const double least_kg = rounded(kMinDensity * volume_m3, &std::ceil);
-    const double most_kg = std::min(kMaxMassKg, rounded(kMaxDensity * volume_m3, &std::floor));
+std::string mass_rule(double volume_m3) {
+    const MassRange range = allowed_masses(volume_m3);
     std::ostringstream text;
-    text << "must give a mass of " << least_kg << " to " << most_kg << " kg (a density of "
-         << kMinDensity << " to " << kMaxDensity << " kg/m^3), or 0 for fixed";
+    text << "must give a mass of " << range.least_kg << " to " << range.most_kg
+         << " kg (a density of " << kMinDensity_kg_per_m3 << " to " << kMaxDensity_kg_per_m3
+         << " kg/m^3), or 0 for fixed";
     return text.str();
 }
 
@@ -116,16 +108,15 @@ Eigen::Vector3d extents_of(const std::vector<geometry::TriangleMesh>& parts) {
 
 double volume_m3(const RigidObject& object) {
     const Eigen::Vector3d& s = object.size_m;
-    const double circle = std::numbers::pi / 4.0 * s.x() * s.x();
     switch (object.shape) {
         case ObjectShape::kPlane:
             return 0.0;
         case ObjectShape::kSphere:
-            return circle * s.x() * 2.0 / 3.0;
+            return geometry::sphere_volume(s.x());
         case ObjectShape::kCylinder:
-            return circle * s.z();
+            return geometry::cylinder_volume(s.x(), s.z());
         case ObjectShape::kCapsule:
-            return circle * (s.z() - s.x() / 3.0);
+            return geometry::capsule_volume(s.x(), s.z());
         case ObjectShape::kConvex:
         case ObjectShape::kCompound:
             return object.parts ? mass_properties(*object.parts).volume_m3 : 0.0;
@@ -139,14 +130,14 @@ std::optional<ObjectProblem> find_problem(const RigidObject& object) {
     if (const auto problem = find_number_problem(object)) return problem;
     // before the mass, which may follow from the size
     if (const auto problem = find_size_problem(object)) return problem;
-    if (!(object.mass_kg >= 0.0 && object.mass_kg <= kMaxMassKg))
+    if (!(object.mass_kg >= 0.0 && object.mass_kg <= kMaxObjectMass_kg))
         return ObjectProblem{"mass_kg", "must be 0 kg to 10000 kg"};
     if (object.mass_kg == 0.0) return std::nullopt;
     if (object.shape == ObjectShape::kPlane)
         return ObjectProblem{"mass_kg", "must be 0 for a plane"};
     const double density = object.mass_kg / volume_m3(object);
-    if (!(density >= kMinDensity && density <= kMaxDensity)) {
-        return ObjectProblem{"mass_kg", allowed_masses(volume_m3(object))};
+    if (!(density >= kMinDensity_kg_per_m3 && density <= kMaxDensity_kg_per_m3)) {
+        return ObjectProblem{"mass_kg", mass_rule(volume_m3(object))};
     }
     return std::nullopt;
 }
