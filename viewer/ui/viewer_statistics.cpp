@@ -7,6 +7,11 @@
 #include "viewer/ui/site_lines.hpp"
 
 namespace atrium::viewer {
+namespace {
+
+constexpr std::chrono::seconds kLatencyShown{2};
+
+}  // namespace
 
 void ViewerStatistics::add_picture(const std::vector<PeopleView::JustShown>& people,
                                    Clock::time_point now) {
@@ -15,6 +20,7 @@ void ViewerStatistics::add_picture(const std::vector<PeopleView::JustShown>& peo
     pictures_.add(1.0, now);
     for (const PeopleView::JustShown& shown : people) {
         latency_.add(displayed - shown.captured);
+        shown_at_ = now;
         latencies_ms_.add(milliseconds(displayed - shown.captured), now);
         times_.add_way(shown.ready - shown.complete, now - shown.ready, shown_at - shown.complete);
     }
@@ -29,7 +35,10 @@ void ViewerStatistics::update(Clock::time_point now,
                               const PictureQuality& quality,
                               HudContent& hud) {
     const Quantiles quantiles = latency_.quantiles();
-    hud.capture_to_display = {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
+    const bus::LatencySummary latency{quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
+    // an old latency says nothing about people who no longer come
+    hud.capture_to_display =
+        shown_at_ && now - *shown_at_ <= kLatencyShown ? latency : bus::LatencySummary{};
     hud.frames_per_s = rate_.update(num_pictures_, now);
     hud.bytes_per_s = byte_rate_.update(session.num_bytes(), now);
     hud.num_skipped = session.num_pairs_skipped();
@@ -46,7 +55,7 @@ void ViewerStatistics::update(Clock::time_point now,
     next.num_incomplete = hud.num_incomplete;
     next.num_rejected = hud.num_rejected;
     next.frames_per_s = hud.frames_per_s;
-    next.capture_to_display = hud.capture_to_display;
+    next.capture_to_display = latency;
     next.resident_bytes = app::resident_bytes();
     next.processor = processor_meter_.update(now);
     next.first_output_s = first_output_s_;

@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -61,6 +62,7 @@ private:
     StatusLines reports_;
     status::OverloadLog overload_{bus::ProgramKind::kViewer};
     LatencyWindow latency_;
+    std::optional<Clock::time_point> shown_at_;  // the last new person
     DrawingTimes times_;
     RateMeter rate_;
     RateMeter byte_rate_;
