@@ -63,6 +63,9 @@ void Annotations::update(const SceneView& scene,
     renderer.overlay().set_wireframe(is_debug_);
     renderer.overlay().set_silhouettes(is_debug_ ? DebugView::kFrustumM : 0.0);
     renderer.overlay().set_lines(lines_);
+    // of two eyes, panels lie over one only
+    label_boxes_.clear();
+    if (eyes.size() == 1) label_boxes_ = label_boxes(labels, eyes.front());
     renderer.overlay().set_labels(std::move(labels));
 }
 

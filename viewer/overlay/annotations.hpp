@@ -8,6 +8,8 @@
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/scene/people_view.hpp"
 
+#include <Eigen/Geometry>
+
 #include <chrono>
 #include <span>
 #include <string>
@@ -43,6 +45,9 @@ public:
                 Clock::time_point now,
                 renderer::SceneRenderer& renderer);
 
+    /// What the labels of the last picture cover, see label_boxes. Empty with two eyes.
+    const std::vector<Eigen::AlignedBox2f>& boxes() const { return label_boxes_; }
+
 private:
     double ui_scale_;
     bool has_names_;
@@ -55,6 +60,7 @@ private:
                      std::span<const renderer::EyeView> eyes,
                      std::vector<renderer::Label>& labels);
     EditView edit_;
+    std::vector<Eigen::AlignedBox2f> label_boxes_;
     EditShapes edit_shapes_;
     std::vector<renderer::Triangle> triangles_;
 };

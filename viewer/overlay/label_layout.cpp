@@ -44,6 +44,22 @@ bool covers_any(const Eigen::AlignedBox2d& area, const std::vector<Eigen::Aligne
 
 }  // namespace
 
+std::vector<Eigen::AlignedBox2f> label_boxes(const std::vector<Label>& labels, const EyeView& eye) {
+    std::vector<Eigen::AlignedBox2f> boxes;
+    for (const Label& label : labels) {
+        auto area = area_of(label, eye);
+        if (!area) continue;
+        const double border = 0.5 * (1.0 - kBody) * label.height;
+        area->min().array() -= border;
+        area->max().array() += border;
+        const double shape = static_cast<double>(eye.part_px.width) / eye.part_px.height;
+        boxes.emplace_back(
+            Eigen::Vector2d(0.5 + area->min().x() / shape, 0.5 - area->max().y()).cast<float>(),
+            Eigen::Vector2d(0.5 + area->max().x() / shape, 0.5 - area->min().y()).cast<float>());
+    }
+    return boxes;
+}
+
 void separate_labels(std::vector<Label>& labels, std::size_t num_kept, const EyeView& eye) {
     std::vector<std::size_t> order(labels.size());
     std::iota(order.begin(), order.end(), std::size_t{0});

@@ -2,6 +2,8 @@
 
 #include "viewer/renderer/overlay.hpp"
 
+#include <Eigen/Geometry>
+
 #include <cstddef>
 #include <vector>
 
@@ -13,5 +15,9 @@ namespace atrium::viewer {
 void separate_labels(std::vector<renderer::Label>& labels,
                      std::size_t num_kept,
                      const renderer::EyeView& eye);
+
+/// What the visible labels cover of the eye's picture, as shares of it, y downwards.
+std::vector<Eigen::AlignedBox2f> label_boxes(const std::vector<renderer::Label>& labels,
+                                             const renderer::EyeView& eye);
 
 }  // namespace atrium::viewer

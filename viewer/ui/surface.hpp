@@ -10,6 +10,8 @@
 #include "viewer/scene/people_view.hpp"
 #include "viewer/ui/history.hpp"
 
+#include <Eigen/Geometry>
+
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -77,6 +79,7 @@ struct HudContent {
     std::string live;                     // stream and virtual camera; empty: none
     std::string quality;                  // reduced quality on a slow machine; empty: full quality
     std::string notice;                   // message about the last event; empty: none
+    std::vector<Eigen::AlignedBox2f> names;                // labels in the picture, as shares of it
     std::array<float, History::kLength - 1> latency_ms{};  // last 30 s, see History
     std::array<float, History::kLength - 1> pictures_per_s{};
 };

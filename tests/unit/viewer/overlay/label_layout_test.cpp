@@ -79,6 +79,16 @@ TEST(LabelLayout, NoneCoversAnotherForRandomPlaces) {
     }
 }
 
+TEST(LabelLayout, TellsWhatTheLabelsCover) {
+    std::vector<Label> labels{label_at({0, 0, 1}), label_at({0, -9, 1}), label_at({1, 0, 1})};
+    labels[2].opacity = 0.0;
+    const auto boxes = label_boxes(labels, kLabelEye);
+    ASSERT_EQ(boxes.size(), 1U) << "not those behind the eye, or hidden";
+    EXPECT_NEAR(boxes[0].center().x(), 0.5f, 1e-3f);
+    EXPECT_NEAR(boxes[0].max().y(), 0.5f, 1e-3f) << "it stands on its place";
+    EXPECT_NEAR(boxes[0].sizes().y(), 0.04f, 1e-3f);
+}
+
 TEST(TextPicture, HasThePixelsOfTheLabel) {
     EXPECT_EQ(text_height_px(0.05, 720), 36);
     EXPECT_EQ(text_height_px(0.05, 2160), 108);
