@@ -19,7 +19,6 @@ constexpr float kWidthLetters = 23.0f;  // heights of letters
 constexpr NumberRange kSizes{0.01f, 20.0f, "%.3f m", 0.005f};
 constexpr NumberRange kPositions{-1000.0f, 1000.0f, "%.3f m", 0.005f};
 constexpr NumberRange kAngles{-360.0f, 360.0f, "%.1f deg", 0.5f};
-constexpr NumberRange kMasses{0.0f, 10000.0f, "%.3f kg"};  // 0: fixed
 
 bool is_equal(const bus::SceneObject& a, const bus::SceneObject& b) {
     return a.object == b.object && a.name == b.name && a.size_m == b.size_m &&
@@ -110,7 +109,11 @@ std::string EditPanel::draw_fields(const bus::SceneObject& object) {
     if (object.shape != bus::Shape::kPlane) {
         ImGui::Checkbox("fixed", &is_fixed_);
         ImGui::BeginDisabled(is_fixed_);
-        number("mass", {&mass_kg_, 1}, kMasses);
+        number("mass",
+               {&mass_kg_, 1},
+               masses_of(object.shape,
+                         object.size_m,
+                         is_fixed_ ? static_cast<double>(mass_kg_) : object.mass_kg));
         ImGui::EndDisabled();
         if (!is_fixed_ && mass_kg_ > 0.0f) movable_mass_kg_ = mass_kg_;
     }

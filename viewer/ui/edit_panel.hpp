@@ -53,6 +53,9 @@ public:
     void draw(const HudContent& content, SurfaceEvents& events);
     /// Opens the list of saved worlds in the next `draw`.
     void show_worlds() { wants_worlds_ = true; }
+    /// Whether a button waits for a second press.
+    bool asks() const { return asks_load_ || asks_save_; }
+    void take_back() { asks_load_ = asks_save_ = false; }
 
 private:
     void draw_models(const HudContent& content, SurfaceEvents& events);

@@ -1,5 +1,9 @@
 #include "viewer/ui/fields.hpp"
 
+#include "core/base/allowed_mass.hpp"
+#include "core/geometry/simple_volumes.hpp"
+#include "viewer/ui/panel_style.hpp"
+
 #include <fmt/format.h>
 #include <imgui.h>
 // for the id of a number that is typed, and the time that the mouse rests on a field
@@ -13,12 +17,59 @@ namespace atrium::viewer {
 namespace {
 
 constexpr float kTooltipAfterS = 0.6f;
+constexpr double kNoNumberShownS = 4.0;
+constexpr std::string_view kOfNumbers = "0123456789.,-+*/eE ";  // that ImGui's fields take
 constexpr float kLeastDragged = 0.01f;  // a drag moves smaller values as fast as this one
+
+// Shows a text beside the panel, at the height of the last field, where it covers no other field.
+// Without room there it lies above the field, over rows that the user has passed.
+void tell_beside(const std::string& text) {
+    constexpr float kLeastLetters = 8.0f;  // to break lines for
+    const ImVec2 panel = ImGui::GetWindowPos();
+    const float gap = panel_margin();
+    const float borders = 2.0f * ImGui::GetStyle().WindowPadding.x;
+    const float right = panel.x + ImGui::GetWindowSize().x + gap;
+    const float room_right = ImGui::GetIO().DisplaySize.x - right - gap - borders;
+    const float room_left = panel.x - 2.0f * gap - borders;
+    const float row = ImGui::GetItemRectMin().y;
+    const bool is_right = room_right >= std::min(room_left, text_width(text));
+    float room = std::max(room_left, room_right);
+    if (room < kLeastLetters * ImGui::GetFontSize()) {
+        room = ImGui::GetIO().DisplaySize.x - panel.x - gap - borders;
+        ImGui::SetNextWindowPos({panel.x, row - gap}, ImGuiCond_Always, {0.0f, 1.0f});
+    } else {
+        if (is_right) room = room_right;
+        ImGui::SetNextWindowPos({is_right ? right : panel.x - gap, row},
+                                ImGuiCond_Always,
+                                {is_right ? 0.0f : 1.0f, 0.0f});
+    }
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(ImGui::GetStyle().WindowPadding.x +
+                           std::min(room, text_width(text) + 1.0f));
+    draw_wrapped(text);
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+}
 
 void explain(const char* text) {
     if (ImGui::IsItemHovered() && !ImGui::IsItemActive() &&
         ImGui::GetCurrentContext()->HoveredIdTimer > kTooltipAfterS)
-        ImGui::SetTooltip("%s", text);
+        tell_beside(text);
+}
+
+// Says near the last field that letters typed into it are no number: while it is typed, and for
+// some seconds after.
+void tell_no_number(const char* title) {
+    auto* typed = static_cast<TypedText*>(ImGui::GetIO().UserData);
+    if (typed == nullptr || typed->is_number) return;
+    const ImGuiID field = ImGui::GetID(title);
+    const double now_s = ImGui::GetTime();
+    if (ImGui::IsItemActive() && typed->typed_into == ImGui::GetCurrentContext()->ActiveId) {
+        typed->field = field;
+        typed->until_s = now_s + kNoNumberShownS;
+    }
+    if (typed->field == field && now_s < typed->until_s)
+        tell_beside("not a number: " + typed->typed);
 }
 
 std::string number_text(float value, const NumberRange& range) {
@@ -37,6 +88,20 @@ double linear_of(float encoded) {
 float encoded_of(double linear) {
     const double v = std::clamp(linear, 0.0, 1.0);
     return static_cast<float>(v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055);
+}
+
+NumberRange masses_of(bus::Shape shape, const Eigen::Vector3d& size_m, double mass_kg) {
+    const double volume_m3 =
+        shape == bus::Shape::kSphere     ? geometry::sphere_volume(size_m.x())
+        : shape == bus::Shape::kCylinder ? geometry::cylinder_volume(size_m.x(), size_m.z())
+        : shape == bus::Shape::kCapsule  ? geometry::capsule_volume(size_m.x(), size_m.z())
+                                         : size_m.prod();
+    if (!(volume_m3 > 0.0)) return {0.0f, static_cast<float>(kMaxObjectMass_kg), "%.3f kg"};
+    auto [least_kg, most_kg] = allowed_masses(volume_m3);
+    if (shape >= bus::Shape::kConvex) least_kg = 0.0;
+    if (mass_kg > 0.0) least_kg = std::min(least_kg, mass_kg);
+    return {
+        static_cast<float>(least_kg), static_cast<float>(std::max(most_kg, mass_kg)), "%.3f kg"};
 }
 
 int allowed_in_names(ImGuiInputTextCallbackData* data) {
@@ -69,6 +134,7 @@ std::string number_field(const char* title, std::span<float> values, const Numbe
                            &range.most,
                            range.format);
     explain("drag it; a click, a double click or Ctrl+click types a number");
+    tell_no_number(title);
     if (ImGui::IsItemActive()) return {};
     std::string problem;
     for (float& value : values) {
@@ -90,11 +156,24 @@ bool is_number_typed() {
            ImGui::TempInputIsActive(context.ActiveId);
 }
 
-void take_commas_as_points() {
+void take_typed_letters() {
     const ImGuiContext& context = *ImGui::GetCurrentContext();
-    if (context.ActiveId == 0 || !ImGui::TempInputIsActive(context.ActiveId)) return;
-    for (ImWchar& character : ImGui::GetIO().InputQueueCharacters)
+    auto* typed = static_cast<TypedText*>(ImGui::GetIO().UserData);
+    const bool is_typing = context.ActiveId != 0 && ImGui::TempInputIsActive(context.ActiveId);
+    if (typed != nullptr && !is_typing) typed->typed_into = 0;
+    if (!is_typing) return;
+    if (typed != nullptr && typed->typed_into != context.ActiveId) {
+        *typed = {};  // the user types another number, or anew
+        typed->typed_into = context.ActiveId;
+    }
+    for (ImWchar& character : ImGui::GetIO().InputQueueCharacters) {
+        if (typed != nullptr && character >= ' ' && character < 127) {
+            const char letter = static_cast<char>(character);
+            typed->typed += letter;
+            typed->is_number &= kOfNumbers.find(letter) != std::string_view::npos;
+        }
         if (character == ',') character = '.';
+    }
 }
 
 }  // namespace atrium::viewer

@@ -1,5 +1,9 @@
 #pragma once
 
+#include "core/bus/messages.hpp"
+
+#include <Eigen/Core>
+
 #include <span>
 #include <string>
 
@@ -25,6 +29,10 @@ struct NumberRange {
     float step_per_px = 0.0f;  // of a drag; 0: 1 % of the value
 };
 
+/// Masses [kg] that the world server accepts for a movable object of that shape and size, and the
+/// mass that it has now. Of a model only the extents are known: at most what fills them.
+NumberRange masses_of(bus::Shape shape, const Eigen::Vector3d& size_m, double mass_kg);
+
 /// Lays out a field of one or more numbers: dragged, or typed after a click. A drag stays within
 /// the range. A number beyond it that is typed becomes the nearest allowed one; returns a text that
 /// says so, else an empty one.
@@ -34,7 +42,18 @@ std::string number_field(const char* title, std::span<float> values, const Numbe
 /// at once.
 bool is_number_typed();
 
-/// Takes the comma as a decimal point while a number is typed. Call after ImGui's NewFrame.
-void take_commas_as_points();
+/// What was typed into a number field and is no number. ImGui drops these letters; the window keeps
+/// them as ImGui's UserData.
+struct TypedText {
+    unsigned typed_into = 0;  // ImGui's id of the number that is typed; 0: none
+    std::string typed;        // all that was typed into it
+    bool is_number = true;
+    unsigned field = 0;  // that shows `typed` as no number; 0: none
+    double until_s = 0.0;
+};
+
+/// Takes the comma as a decimal point while a number is typed, and notes what is no number. Call
+/// after ImGui's NewFrame.
+void take_typed_letters();
 
 }  // namespace atrium::viewer
