@@ -47,7 +47,7 @@ Expected<void> WorldPicture::open(const ViewerConfig& config,
             config.display.tile,
             aspect);
     }
-    surface->set_title(config.bus.world + " - " + kWindowTitle);
+    surface->set_title(config.bus.world + " - " + config.view.name + " - " + kWindowTitle);
     app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
     return {};
 }
@@ -86,7 +86,7 @@ void WorldPicture::draw(Session& session,
                         const std::string& inside,
                         Clock::time_point now,
                         DrawingTimes& times) {
-    eyes = display.eyes(camera, renderer->width(), renderer->height());
+    eyes = eyes_of(camera);
     set_decoder_eyes(session, eyes, renderer->overlay().silhouettes_m() > 0.0);
     annotations->take(session.proxies(), now);
     annotations->update(scene, people, inside, eyes, now, *renderer);

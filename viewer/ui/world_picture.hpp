@@ -47,6 +47,9 @@ struct WorldPicture {
               const std::string& inside,
               Clock::time_point now,
               DrawingTimes& times);
+    std::vector<renderer::EyeView> eyes_of(const renderer::ViewCamera& camera) const {
+        return display.eyes(camera, renderer->width(), renderer->height());
+    }
     /// Adopts the size of the surface.
     Expected<void> resize();
 
