@@ -139,17 +139,17 @@ void Viewer::Impl::send(const UserControl::Commands& commands) {
 
 UserControl::Shown Viewer::Impl::shown() const {
     using Pickable = SceneView::Pickable;
-    const renderer::SceneRenderer& renderer = *picture.renderer;
-    renderer::EyeView eye =
-        picture.display.eyes(control.camera(), renderer.width(), renderer.height()).front();
+    renderer::EyeView eye = picture.eyes_of(control.camera()).front();
     eye.part_px = {0, 0, pointer.width_px, pointer.height_px};  // in the units of the pointer
+    const FollowCamera::Places people = picture.people.places(*picture.renderer);
     return {pointer,
             [this](const Ray& ray) { return picture.scene.pick(ray); },
-            picture.people.places(renderer),
+            people,
             picture.scene.objects(),
             [this](const Ray& ray) { return picture.scene.pick(ray, Pickable::kAllButPlanes); },
             picture.scene.states(),
-            eye};
+            eye,
+            picture.people.not_hidden(people)};
 }
 
 void Viewer::Impl::take_edit_news(Clock::time_point now) {
@@ -189,8 +189,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (events.names) picture.annotations->toggle_names();
     if (events.stream) notify_user(output_files.toggle_stream(renderer));
     if (events.record) notify_user(output_files.toggle_video(renderer));
-    const auto eyes = picture.display.eyes(control.camera(), renderer.width(), renderer.height());
-    send(control.edit(events, shown, eyes.front(), now));
+    send(control.edit(events, shown, picture.eyes_of(control.camera()).front(), now));
     send_edits();
     for (const auto& outcome : control.outcomes(shown.objects, statistics.servers(), now))
         notify_user(outcome.text);
@@ -251,6 +250,7 @@ void Viewer::Impl::draw(Clock::time_point begin) {
     hud.edit = control.edit_view(shown());
     picture.annotations->set_edit(hud.edit);
     picture.draw(*session, control.camera(), control.inside(), now, statistics.times());
+    hud.names = picture.annotations->boxes();
     fill_hud(now);
     picture.surface->show(*picture.renderer, hud);
     statistics.add_picture(picture.people.just_shown(), now);

@@ -34,6 +34,7 @@ struct SurfaceEvents {
     bool follow = false;      // follow a person, or stop following
     std::size_t person = 0;   // person whose eyes to look through, from 1; 0: no change
     bool leave_eyes = false;  // look from outside again
+    bool stop_following = false;
     std::optional<ViewpointEvent> viewpoint;
     std::string hide_site;     // hide this site, or show it again; empty: none
     std::string solo_site;     // show only this site, or all again; empty: none

@@ -57,8 +57,10 @@ void UserControl::remove(std::uint32_t object,
                          Commands& out) {
     if (editing_.is_supported())
         add_to(edits_, editing_.remove(object, edit_shown(shown), now));
-    else
+    else {
         out.push_back(editor_.remove(object, shown.objects, now));
+        editing_.expect_removal(object);
+    }
 }
 
 UserControl::Commands UserControl::move(const SurfaceEvents& events,
@@ -75,14 +77,17 @@ UserControl::Commands UserControl::move(const SurfaceEvents& events,
     Commands commands = mouse_.update(pointer, camera_, shown.pick, now);
     if (mouse_.is_holding()) motion.turn_px.setZero();  // the drag moves the object
     if (events.follow) {
-        if (shown.people.empty()) texts_.emplace_back("nobody is here to follow");
-        follow_.toggle_follow(camera_, shown.people);
+        if (shown.visible.empty())
+            texts_.emplace_back(shown.people.empty() ? "nobody is here to follow"
+                                                     : "nobody to follow: all are hidden (L)");
+        follow_.toggle_follow(camera_, shown.visible);
     }
     if (events.person > shown.people.size())
         texts_.push_back("no person " + std::to_string(events.person));
     else if (events.person > 0)
         follow_.toggle_first_person(events.person, shown.people, movable_things(shown));
     if (events.leave_eyes) follow_.leave_eyes();
+    if (events.stop_following) follow_.leave();
     if (events.reset_view) follow_.leave();
     const bool is_moving = events.follow || events.person > 0 || moves(motion);
     if (is_moving || events.reset_view) flight_.stop();

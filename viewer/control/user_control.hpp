@@ -52,7 +52,8 @@ public:
         const SceneEditor::Objects& objects;
         MouseGrab::Pick pick_all;  // fixed objects too
         const std::vector<bus::ObjectState>& states;
-        renderer::EyeView eye;  // the eye whose picture is under the pointer
+        renderer::EyeView eye;              // the eye whose picture is under the pointer
+        FollowCamera::Places visible = {};  // those of `people` that the user does not hide
     };
     /// Moves the viewpoint, or the object that the mouse holds.
     Commands move(const SurfaceEvents& events, const Shown& shown, Clock::time_point now);

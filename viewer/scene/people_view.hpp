@@ -58,6 +58,11 @@ public:
     const std::vector<JustShown>& just_shown() const { return just_shown_; }
     /// Positions in the world.
     FollowCamera::Places places(const renderer::SceneRenderer& renderer) const;
+    /// Those of people whom the user does not hide.
+    FollowCamera::Places not_hidden(FollowCamera::Places places) const {
+        std::erase_if(places, [this](const auto& of) { return !selected_.shows(of.first); });
+        return places;
+    }
     /// Whether the user wants to see the site's person.
     bool is_drawn(const std::string& site) const {
         return site != inside_ && selected_.shows(site);

@@ -2,6 +2,7 @@
 
 #include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
+#include "viewer/ui/hud.hpp"
 #include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/ui_scale.hpp"
 
@@ -89,7 +90,10 @@ StartScreen::StartScreen(bus::BusOptions options, std::string notice)
 
 void StartScreen::choose_by_key(const std::vector<WorldEntry>& worlds) {
     if (ImGui::GetIO().WantTextInput) return;
-    if (is_pressed(ImGuiKey_Escape) && !close_popup()) is_left_ = true;
+    const double now_s = ImGui::GetTime();
+    if (is_pressed(ImGuiKey_Escape) && !close_popup())
+        is_left_ = asked_.is_confirmed(Action::kClose, now_s);
+    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) asked_.take_back();
     if (worlds.empty()) return;
     const auto found = std::ranges::find_if(
         worlds, [&](const WorldEntry& world) { return id_of(world.options) == chosen_; });
@@ -209,9 +213,10 @@ void StartScreen::draw(const std::vector<WorldEntry>& worlds) {
                        "(name them as peers), and of other versions of Atrium.");
     ImGui::TextColored(
         kHintColour,
-        "Up, Down: choose   Enter: join   Delete: forget   F11: full screen   Esc: quit");
+        "Up, Down: choose   Enter: join   Delete: forget   F11: full screen   Esc twice: quit");
     ImGui::PopTextWrapPos();
     ImGui::End();
+    if (const auto asked = asked_.action(ImGui::GetTime())) draw_question(*asked);
 }
 
 }  // namespace atrium::viewer

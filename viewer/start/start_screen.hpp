@@ -3,6 +3,7 @@
 #include "core/bus/bus.hpp"
 #include "core/presence/heard_worlds.hpp"
 #include "viewer/start/recent_worlds.hpp"
+#include "viewer/ui/asked_again.hpp"
 
 #include <array>
 #include <cstddef>
@@ -65,6 +66,7 @@ private:
     std::optional<bus::BusOptions> joined_;
     std::optional<bus::BusOptions> forgotten_;
     bool is_left_ = false;
+    AskedAgain asked_;  // before Esc ends the viewer
 };
 
 }  // namespace atrium::viewer

@@ -28,6 +28,8 @@ public:
         if (action_ != other) action_.reset();
     }
 
+    void take_back() { action_.reset(); }
+
 private:
     std::optional<Action> action_;
     double at_s_ = 0.0;

@@ -123,12 +123,14 @@ void draw_cell(std::string_view text, bool is_key) {
 
 }  // namespace
 
-void draw_hud(const HudContent& content, bool has_details, float widest) {
-    begin_arranged_panel("figures", has_details ? PanelKind::kInput : PanelKind::kText);
+void draw_hud(const HudContent& content, const HudForm& form) {
+    const bool has_details = form.has_details;
+    const bool takes_mouse = has_details || form.scrolls;
+    begin_arranged_panel("figures", takes_mouse ? PanelKind::kInput : PanelKind::kText);
     // nor does a narrow place cut it
     const ImGuiStyle& style = ImGui::GetStyle();
     const float room =
-        widest - 2.0f * style.WindowPadding.x - (has_details ? style.ScrollbarSize : 0.0f);
+        form.widest_px - 2.0f * style.WindowPadding.x - (takes_mouse ? style.ScrollbarSize : 0.0f);
     ImGui::PushTextWrapPos(style.WindowPadding.x +
                            std::min(room, ui_px(has_details ? kDetailWidth_px : kLineWidth_px)));
     std::string summary = content.world.empty() ? "" : content.world + "   ";

@@ -5,9 +5,14 @@
 
 namespace atrium::viewer {
 
-/// Lays out the panel of statistics, at most `widest` pixels wide; `has_details` adds the stage
-/// times of sites and worlds. Call between ImGui's NewFrame and Render.
-void draw_hud(const HudContent& content, bool has_details, float widest);
+/// How the panel of statistics is shown.
+struct HudForm {
+    bool has_details = false;  // adds the stage times of sites and worlds
+    bool scrolls = false;      // it has less room than it needs
+    float widest_px = 0.0f;
+};
+/// Lays out the panel of statistics. Call between ImGui's NewFrame and Render.
+void draw_hud(const HudContent& content, const HudForm& form);
 
 /// Lays out the question whether kClose, kReset or kOtherWorld is meant, over all panels. Call
 /// between ImGui's NewFrame and Render.

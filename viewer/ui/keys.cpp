@@ -42,8 +42,12 @@ constexpr std::array kBindings{
                false,
                false,
                kDigits},
-    KeyBinding{
-        Action::kFollow, "F", "follow the nearest person, or stop", false, false, {GLFW_KEY_F}},
+    KeyBinding{Action::kFollow,
+               "F",
+               "follow the shown person nearest to the target, or stop",
+               false,
+               false,
+               {GLFW_KEY_F}},
     KeyBinding{
         Action::kStartView, "V", "return to the first viewpoint", false, false, {GLFW_KEY_V}},
     KeyBinding{Action::kStoreView,
@@ -165,7 +169,7 @@ constexpr std::array kBindings{
                {GLFW_KEY_BACKSPACE}},
     KeyBinding{Action::kClose,
                "Esc",
-               "end the drag, close panels, deselect, leave eyes; twice: quit",
+               "end the question, drag, last panel, selection, following, eyes; twice: quit",
                false,
                false,
                {GLFW_KEY_ESCAPE}},

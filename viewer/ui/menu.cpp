@@ -25,7 +25,6 @@ constexpr std::array<ShapeChoice, 4> kShapes{{{"ball", bus::Shape::kSphere},
 constexpr double kWidth_px = 290.0;  // at scale 1
 constexpr double kListHeight_px = 100.0;
 constexpr NumberRange kNewSizes{0.03f, 2.0f, "%.2f m", 0.005f};
-constexpr NumberRange kNewMasses{0.05f, 50.0f, "%.2f kg"};
 
 }  // namespace
 
@@ -52,7 +51,10 @@ void Menu::draw_new_object(SurfaceEvents& events) {
         number("diameter", size_m_[0], kNewSizes);
     }
     if (shape != bus::Shape::kSphere) number("height", size_m_[2], kNewSizes);
-    number("mass", mass_kg_, kNewMasses);
+    Eigen::Vector3d size_m(static_cast<double>(size_m_[0]),
+                           static_cast<double>(size_m_[1]),
+                           static_cast<double>(size_m_[2]));
+    number("mass", mass_kg_, masses_of(shape, size_m, 0.0));
     ImGui::ColorEdit3("colour", colour_.data(), ImGuiColorEditFlags_NoInputs);
     name_field("name", name_);
     if (!ImGui::Button("add it before the eye", {-1.0f, 0.0f})) return;

@@ -20,6 +20,13 @@ public:
     /// Opens the list of saved worlds.
     void show_worlds() { worlds_.show_worlds(); }
 
+    /// Whether a button waits for a second press.
+    bool asks() const { return asks_reset_ || worlds_.asks(); }
+    void take_back() {
+        asks_reset_ = false;
+        worlds_.take_back();
+    }
+
 private:
     void draw_new_object(SurfaceEvents& events);
     void draw_object_list(const HudContent& content, SurfaceEvents& events);

@@ -63,7 +63,7 @@ std::vector<float> share_of(const std::vector<float>& wanted, float length) {
 
 struct Columns {
     std::vector<PanelBox> boxes;
-    float cut_px2 = 0.0f;  // of what the panels want
+    float cut = 0.0f;  // sum of the squared shares that the panels lack
 };
 
 // Bit i of `right`: panel i stands in the right column.
@@ -100,8 +100,10 @@ Columns in_columns(const std::vector<PanelWish>& wishes, const PanelRoom& room, 
             const bool is_low = is_at_the_bottom(wish.corner);
             box.top = is_low ? bottom - box.height : top;
             (is_low ? bottom : top) += (is_low ? -1.0f : 1.0f) * (box.height + room.margin);
-            columns.cut_px2 += wish.width * wish.height -
-                               std::min(box.width, wish.width) * std::min(box.height, wish.height);
+            const float cut = 1.0f - std::min(box.width, wish.width) *
+                                         std::min(box.height, wish.height) /
+                                         std::max(1.0f, wish.width * wish.height);
+            columns.cut += cut * cut;
         }
     }
     return columns;
@@ -165,7 +167,7 @@ std::vector<PanelBox> lay_out_panels(const std::vector<PanelWish>& wishes, const
     std::pair least(std::numeric_limits<float>::infinity(), 0);
     for (unsigned right = 0; right < 1u << cut.size(); ++right) {
         Columns columns = in_columns(cut, room, right);
-        const std::pair cost(columns.cut_px2, std::popcount(right ^ usual));
+        const std::pair cost(columns.cut, std::popcount(right ^ usual));
         if (cost >= least) continue;
         least = cost;
         best = std::move(columns);

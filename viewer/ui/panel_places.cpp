@@ -19,11 +19,9 @@ PanelWish PanelPlaces::wish_of(const PanelAsk& ask) {
     const ImVec2 padding = ImGui::GetStyle().WindowPadding;
     Width& width = widths_[ask.name];
     const float measured = most.x - content.CursorStartPos.x + 2.0f * padding.x;
-    // a cut panel breaks its lines earlier, and would never grow again
-    const bool was_cut = width.given < width.wanted;
-    width.wanted = ask.width_px > 0.0f ? ask.width_px
-                   : was_cut           ? std::max(width.wanted, measured)
-                                       : measured;
+    if (width.is_long != ask.is_long) width = {.is_long = ask.is_long};
+    // a panel that is cut breaks its lines earlier, and would never be wide again
+    width.wanted = ask.width_px > 0.0f ? ask.width_px : std::max(width.wanted, measured);
     return {ask.corner, width.wanted, most.y - content.CursorStartPos.y + 2.0f * padding.y};
 }
 
@@ -45,6 +43,7 @@ void PanelPlaces::arrange(std::span<const PanelAsk> shown) {
     boxes_ = lay_out_panels(wishes, room);
     for (std::size_t i = 0; i < boxes_.size(); ++i) {
         widths_[names[i]].given = boxes_[i].width;
+        widths_[names[i]].scrolls = boxes_[i].height < wishes[i].height;
         ImGui::SetWindowPos(names[i], {boxes_[i].left, boxes_[i].top});
         ImGui::SetWindowSize(names[i], {boxes_[i].width, boxes_[i].height});
     }
@@ -54,6 +53,11 @@ float PanelPlaces::widest(const std::string& name) const {
     const auto found = widths_.find(name);
     const bool is_cut = found != widths_.end() && found->second.given < found->second.wanted;
     return is_cut ? found->second.given : widest_panel(1.0);
+}
+
+bool PanelPlaces::scrolls(const std::string& name) const {
+    const auto found = widths_.find(name);
+    return found != widths_.end() && found->second.scrolls;
 }
 
 }  // namespace atrium::viewer

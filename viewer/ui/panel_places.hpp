@@ -13,7 +13,8 @@ namespace atrium::viewer {
 struct PanelAsk {
     const char* name;
     Corner corner;
-    float width_px = 0.0f;  // 0: as its content
+    float width_px = 0.0f;  // 0: as its content; it only grows, so that its neighbours stay
+    bool is_long = false;   // another form of the panel, with a width of its own
 };
 
 /// Places all panels of a picture: the only piece of layout that does. Panels that do not fit
@@ -26,6 +27,8 @@ public:
 
     /// Width that a panel may have [px].
     float widest(const std::string& name) const;
+    /// Whether the panel is higher than its place.
+    bool scrolls(const std::string& name) const;
     /// Places in the last picture.
     const std::vector<PanelBox>& boxes() const { return boxes_; }
 
@@ -35,6 +38,8 @@ private:
     struct Width {
         float wanted = 0.0f;
         float given = 0.0f;
+        bool scrolls = false;
+        bool is_long = false;
     };
     std::map<std::string, Width> widths_;
     std::vector<PanelBox> boxes_;

@@ -6,6 +6,7 @@
 #include <imgui_internal.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace atrium::viewer {
 namespace {
@@ -115,11 +116,30 @@ void begin_arranged_panel(const char* name, PanelKind kind, float width) {
 }
 
 void draw_message(const char* name, Corner corner, std::string_view text) {
-    begin_panel(name, corner, 1.0, PanelKind::kMessage);
-    const ImGuiStyle& style = ImGui::GetStyle();
-    const float widest =
-        std::min(ui_px(kWidestMessage_px), widest_panel(1.0) - 2.0f * style.WindowPadding.x);
-    ImGui::PushTextWrapPos(style.WindowPadding.x + widest);
+    const ImVec2 padding = ImGui::GetStyle().WindowPadding;
+    const float widest = std::min(ui_px(kWidestMessage_px), widest_panel(1.0) - 2.0f * padding.x);
+    // its exact size at once: a panel that fits itself is too small for one picture
+    ImVec2 size{0.0f, 0.0f};
+    for (std::string_view rest = text; !rest.empty();) {
+        const std::string_view line = first_line(rest, widest);
+        size.x = std::max(size.x, std::min(widest, text_width(line)));
+        // a word that is too long is broken
+        size.y += ImGui::CalcTextSize(line.data(), line.data() + line.size(), false, widest).y +
+                  ImGui::GetStyle().ItemSpacing.y;
+        rest.remove_prefix(line.size());
+        rest.remove_prefix(std::min(rest.find_first_not_of(" \n"), rest.size()));
+    }
+    size.x = std::ceil(size.x) + 1.0f;
+    size.y -= ImGui::GetStyle().ItemSpacing.y;
+    const ImVec2 picture = ImGui::GetIO().DisplaySize;
+    const bool is_low = corner == Corner::kMiddle;
+    ImGui::SetNextWindowPos({0.5f * picture.x, is_low ? 0.5f * picture.y : panel_margin()},
+                            ImGuiCond_Always,
+                            {0.5f, is_low ? 0.5f : 0.0f});
+    ImGui::SetNextWindowSize({size.x + 2.0f * padding.x, size.y + 2.0f * padding.y});
+    ImGui::SetNextWindowBgAlpha(alpha_of(PanelKind::kMessage));
+    ImGui::Begin(name, nullptr, flags_of(PanelKind::kMessage));
+    ImGui::PushTextWrapPos(padding.x + size.x);
     draw_wrapped(text);
     ImGui::PopTextWrapPos();
     ImGui::BringWindowToDisplayFront(ImGui::GetCurrentWindow());

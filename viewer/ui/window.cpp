@@ -1,19 +1,13 @@
 #include "core/gl/entry_points.hpp"
 #include "viewer/overlay/label_scale.hpp"
-#include "viewer/ui/asked_again.hpp"
-#include "viewer/ui/edit_panel.hpp"
 #include "viewer/ui/fields.hpp"
 #include "viewer/ui/full_screen.hpp"
-#include "viewer/ui/hud.hpp"
 #include "viewer/ui/keys.hpp"
-#include "viewer/ui/menu.hpp"
-#include "viewer/ui/panel_places.hpp"
 #include "viewer/ui/panel_style.hpp"
-#include "viewer/ui/site_panel.hpp"
+#include "viewer/ui/panels.hpp"
 #include "viewer/ui/surface.hpp"
 #include "viewer/ui/tapped_keys.hpp"
 #include "viewer/ui/ui_scale.hpp"
-#include "viewer/ui/viewpoint_panel.hpp"
 
 #include <glad/gl.h>
 // after the loader, instead of GLFW's own GL header
@@ -72,6 +66,7 @@ public:
         ImGui::CreateContext();
         ImGui::GetIO().IniFilename = nullptr;
         ImGui::GetIO().ConfigDragClickToInputText = true;
+        ImGui::GetIO().UserData = &typed_;
         // ImGui chains its callbacks before those above
         ImGui_ImplGlfw_InitForOpenGL(window_, true);
         ImGui_ImplOpenGL3_Init("#version 330 core");
@@ -114,18 +109,12 @@ public:
     void show(const renderer::SceneRenderer& renderer, const HudContent& content) override {
         is_layout_only_ = false;
         is_dragging_ = content.edit.is_dragging;
-        has_selection_ = content.edit.selected.has_value();
-        is_inside_ = !content.inside.empty();
         if (has_two_buffers_)
             renderer.present_halves();
         else
             renderer.present();
         // even if nothing is laid out: ImGui needs it to know that mouse and keys are not for it
-        lay_out([&] {
-            // the list of keys would cut the other panels
-            are_keys_shown_ ? draw_keys() : draw_panels(content);
-            draw_messages(content);
-        });
+        lay_out([&] { panels_.draw(content, events_); });
         swap();
     }
     void show_layout(const std::function<void()>& layout) override {
@@ -156,31 +145,11 @@ private:
         // pictures may take longer than a click
         io.MouseDoubleClickTime = std::max(kDoubleClickS, kDoubleClickPictures * io.DeltaTime);
         ImGui::NewFrame();
-        take_commas_as_points();
+        take_typed_letters();
         layout();
         ImGui::Render();
         taps_.end_frame();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-    }
-    void draw_panels(const HudContent& content) {
-        std::vector<PanelAsk> shown;
-        if (is_hud_shown_) shown.push_back({"figures", Corner::kUpperLeft});
-        if (is_menu_shown_) shown.push_back({"menu", Corner::kUpperRight, Menu::width()});
-        if (has_selection_) shown.push_back({"edit", Corner::kLowerLeft, EditPanel::width()});
-        if (are_sites_shown_) shown.push_back({"sites", Corner::kLowerLeft});
-        if (are_views_shown_) shown.push_back({"viewpoints", Corner::kLowerRight});
-        places_.arrange(shown);
-        if (is_hud_shown_) draw_hud(content, has_details_, places_.widest("figures"));
-        if (is_menu_shown_) menu_.draw(content, events_);
-        edit_panel_.draw(content, events_);
-        if (are_sites_shown_) sites_.draw(content, events_);
-        if (are_views_shown_) views_.draw(content, events_);
-    }
-    void draw_messages(const HudContent& content) {
-        const bool has_panels = is_hud_shown_ || is_menu_shown_ || has_selection_;
-        if (has_panels && !content.notice.empty())
-            draw_message("message", Corner::kUpperMiddle, content.notice);
-        if (const auto asked = asked_.action(glfwGetTime())) draw_question(*asked);
     }
     void swap() {
         glFinish();  // separates drawing from waiting for the display
@@ -197,56 +166,16 @@ private:
         return !ImGui::GetIO().WantTextInput && (is_function_key || key == GLFW_KEY_ESCAPE);
     }
     void pressed(const PressedKey& key) {
-        // any other key takes back what a first one asked
-        asked_.pressed(key.action);
         if (is_layout_only_) {
             if (key.action == Action::kFullScreen) full_screen_.toggle(window_);
             return;
         }
-        // a reset cannot be undone; some keyboards have Backspace where others have Delete
-        const bool asks =
-            key.action == Action::kReset || (key.action == Action::kOtherWorld && has_selection_);
-        if (asks && !asked_.is_confirmed(key.action, glfwGetTime())) return;
+        if (!panels_.allows(key.action)) return;
         if (change_view(key, events_) || change_selected(key, events_.edit)) return;
-        change_panels(key);
-    }
-    void change_panels(const PressedKey& key) {
-        const auto toggle = [](bool& is_shown) { is_shown = !is_shown; };
+        if (panels_.change(key.action, events_)) return;
         switch (key.action) {
-            case Action::kDetails:
-                toggle(has_details_);
-                break;
-            case Action::kPanel:
-                toggle(is_hud_shown_);
-                break;
-            case Action::kMenu:
-                toggle(is_menu_shown_);
-                break;
-            case Action::kSavedWorlds:
-                is_menu_shown_ = true;
-                menu_.show_worlds();
-                break;
-            case Action::kKeys:
-                toggle(are_keys_shown_);
-                break;
-            case Action::kSites:
-                toggle(are_sites_shown_);
-                break;
-            case Action::kViews:
-                toggle(are_views_shown_);
-                break;
-            case Action::kPreviousSite:
-            case Action::kNextSite:
-                sites_.choose(key.action == Action::kNextSite ? 1 : -1);
-                break;
-            case Action::kHideSite:
-                choose_site(events_.hide_site, "X hides");
-                break;
-            case Action::kSoloSite:
-                choose_site(events_.solo_site, "O shows only");
-                break;
             case Action::kWalk:
-                toggle(walks_);
+                walks_ = !walks_;
                 events_.edit.hint = walks_ ? "W A S D walk on the floor; G: fly again" : "flying";
                 break;
             case Action::kRemovePointed:
@@ -257,40 +186,15 @@ private:
                 full_screen_.toggle(window_);
                 break;
             case Action::kClose:
-                close_what_is_open();
+                if (panels_.close_last(events_)) glfwSetWindowShouldClose(window_, GLFW_TRUE);
                 break;
             default:
                 break;
         }
     }
-    // only what the user sees chosen
-    void choose_site(std::string& wanted, const char* what) {
-        if (are_sites_shown_)
-            wanted = sites_.chosen();
-        else
-            events_.edit.hint = fmt::format("{} the site chosen in the list of sites: L", what);
-    }
     // by character: the key of '?' differs between keyboards
     void typed(unsigned character) {
-        if (character == '?' && !is_layout_only_ && !are_keys_taken())
-            are_keys_shown_ = !are_keys_shown_;
-    }
-    void close_what_is_open() {
-        if (is_dragging_) {
-            events_.edit.cancel = true;
-            return;
-        }
-        if (close_popup()) return;
-        for (bool* is_shown :
-             {&are_keys_shown_, &is_menu_shown_, &are_views_shown_, &are_sites_shown_})
-            if (std::exchange(*is_shown, false)) return;
-        if (has_selection_)
-            events_.edit.cancel = true;
-        else if (is_inside_)
-            events_.leave_eyes = true;
-        else if (asked_.is_confirmed(Action::kClose,
-                                     glfwGetTime()))  // one Esc too many must not end a recording
-            glfwSetWindowShouldClose(window_, GLFW_TRUE);
+        if (character == '?' && !is_layout_only_ && !are_keys_taken()) panels_.toggle_keys();
     }
     bool is_down(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
 
@@ -342,22 +246,10 @@ private:
     double wanted_ui_scale_;
     UiSizes sizes_;
     bool is_layout_only_ = false;  // the last picture was of `show_layout`
-    bool is_hud_shown_ = true;
-    bool are_keys_shown_ = false;
-    bool is_menu_shown_ = false;
-    bool are_sites_shown_ = false;
-    bool are_views_shown_ = false;
-    bool has_details_ = false;
-    Menu menu_;
-    EditPanel edit_panel_;
-    bool is_dragging_ = false;    // a handle, in the last picture
-    bool has_selection_ = false;  // in the last picture
-    bool is_inside_ = false;      // of a person's eyes, in the last picture
-    AskedAgain asked_;
-    PanelPlaces places_;
+    Panels panels_;
+    TypedText typed_;
+    bool is_dragging_ = false;  // a handle, in the last picture
     TappedKeys taps_;
-    SitePanel sites_;
-    ViewpointPanel views_;
     bool walks_ = false;
     FullScreen full_screen_;
     SurfaceEvents events_;

@@ -24,7 +24,7 @@ protected:
     }
     UserControl::Shown shown() {
         const auto none = [](const Ray&) { return std::optional<Hit>(); };
-        return {pointer_, none, {}, objects_, none, states_, {}};
+        return {pointer_, none, people_, objects_, none, states_, {}, visible_};
     }
     std::vector<std::string> texts(const SurfaceEvents& events) {
         control_.move(events, shown(), now_);
@@ -33,11 +33,29 @@ protected:
     }
 
     Pointer pointer_;
+    FollowCamera::Places people_;
+    FollowCamera::Places visible_;
     SceneEditor::Objects objects_;
     std::vector<bus::ObjectState> states_;
     UserControl::Clock::time_point now_{};
     UserControl control_{renderer::ViewCamera{}, "eve", false};
 };
+
+TEST_F(UserKeys, FollowTheNearestPersonWhoIsNotHidden) {
+    people_["alice"].middle = {0.0, 0.0, 1.0};
+    people_["bob"].middle = {5.0, 0.0, 1.0};
+    SurfaceEvents events;
+    events.follow = true;
+    EXPECT_THAT(texts(events), ElementsAre("nobody to follow: all are hidden (L)"));
+    EXPECT_EQ(control_.followed(), "");
+    visible_["bob"] = people_["bob"];
+    EXPECT_THAT(texts(events), IsEmpty());
+    EXPECT_EQ(control_.followed(), "bob");
+    events = {};
+    events.stop_following = true;
+    texts(events);
+    EXPECT_EQ(control_.followed(), "");
+}
 
 TEST_F(UserKeys, AnswerWhenTheyHaveNoEffect) {
     EXPECT_THAT(texts({}), IsEmpty());

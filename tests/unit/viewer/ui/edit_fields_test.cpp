@@ -1,5 +1,7 @@
 #include "tests/support/comes_true.hpp"
 #include "tests/unit/viewer/ui/window_fixture.hpp"
+#include "viewer/start/start_screen.hpp"
+#include "viewer/ui/fields.hpp"
 #include "viewer/ui/panel_style.hpp"
 
 #include <gmock/gmock.h>
@@ -9,6 +11,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 // Fields of the panels: keys, typing, dragging and questions.
 namespace atrium::viewer {
@@ -30,7 +33,7 @@ protected:
         object.name = "box";
         object.mass_kg = 0.05;
         object.size_m = {0.3, 0.2, 0.1};
-        for (int i = 0; i < 5; ++i) draw();
+        after("h");  // in this small window the figures would move the panel
     }
 
     void click_field(ImGuiID field, int x = kColumn_px) {
@@ -41,6 +44,13 @@ protected:
     // One number of a field of several.
     static ImGuiID part_of(const char* field, int i) {
         return ImHashStr("", 0, ImHashData(&i, sizeof i, id_of("edit", field)));
+    }
+    static const ImGuiWindow* tooltip() {
+        for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows)
+            if (window->Active && !window->Hidden &&
+                (window->Flags & ImGuiWindowFlags_Tooltip) != 0)
+                return window;
+        return nullptr;
     }
     SurfaceEvents type(std::initializer_list<const char*> keys) {
         SurfaceEvents last;
@@ -95,7 +105,33 @@ TEST_F(ObjectPanel, RefusesANumberBeyondTheRangeWithTheRange) {
     click_field(id_of("edit", "mass"));
     const SurfaceEvents events = type({"2", "0", "0", "0", "0", "Return"});
     EXPECT_FALSE(events.edit.change);
-    EXPECT_EQ(events.edit.hint, "mass must be 0 kg to 10000 kg, not 20000");
+    EXPECT_EQ(events.edit.hint, "mass must be 0.006 kg to 180 kg, not 20000");
+}
+
+TEST_F(ObjectPanel, SaysThatLettersAreNoNumber) {
+    click_field(id_of("edit", "mass"));
+    EXPECT_EQ(tooltip(), nullptr);
+    type({"a", "b"});
+    ASSERT_NE(tooltip(), nullptr) << "while it is typed";
+    const SurfaceEvents events = type({"c", "Return"});
+    EXPECT_FALSE(events.edit.change);
+    ASSERT_NE(tooltip(), nullptr) << "and after";
+    const ImGuiWindow* panel = ImGui::FindWindowByName("edit");
+    EXPECT_FALSE(panel->Rect().Overlaps(tooltip()->Rect())) << "beside the panel";
+    const auto& typed = *static_cast<const TypedText*>(ImGui::GetIO().UserData);
+    EXPECT_EQ(typed.typed, "abc");
+    click_field(id_of("edit", "mass"));
+    type({"1", "Return"});
+    EXPECT_EQ(tooltip(), nullptr) << "a number takes it back";
+}
+
+TEST_F(ObjectPanel, ExplainsAFieldBesideThePanel) {
+    ASSERT_TRUE(point_at_field(id_of("edit", "mass"), kColumn_px));
+    EXPECT_TRUE(comes_true([&] {
+        draw();
+        return tooltip() != nullptr;
+    }));
+    EXPECT_FALSE(ImGui::FindWindowByName("edit")->Rect().Overlaps(tooltip()->Rect()));
 }
 
 TEST_F(ObjectPanel, DragsASmallMassBySmallSteps) {
@@ -258,6 +294,64 @@ TEST_F(ViewerWindow, SavingOverAWorldAsksAgainAtTheSamePlace) {
     for (const char* key : {"e", "v", "e", "n", "i", "n", "g", "Return"}) after(key);
     EXPECT_EQ(click_on("###save").edit.save_world, "") << "it asks first";
     EXPECT_EQ(click(at_[0], at_[1]).edit.save_world, "evening");
+}
+
+TEST_F(ViewerWindow, EscapeClosesThePanelsLastOpenedFirst) {
+    const auto is_shown = [](const char* panel) {
+        const ImGuiWindow* window = ImGui::FindWindowByName(panel);
+        return window != nullptr && window->Active;
+    };
+    figures_.followed = "alice";
+    after("m");
+    after("k");
+    after("l");
+    ASSERT_TRUE(is_shown("menu") && is_shown("viewpoints") && is_shown("sites"));
+    after("Escape");
+    EXPECT_TRUE(is_shown("menu") && is_shown("viewpoints") && !is_shown("sites"));
+    after("r");
+    after("Escape");
+    EXPECT_TRUE(is_shown("viewpoints")) << "it took the question back";
+    after("Escape");
+    after("Escape");
+    EXPECT_FALSE(is_shown("viewpoints") || is_shown("menu"));
+    press("Escape");
+    EXPECT_TRUE(comes_true([&] { return draw().stop_following; }));
+}
+
+TEST_F(ViewerWindow, PanelsNeverCoverEachOtherAndMessagesLieOnTop) {
+    figures_.notice = "ball was removed by bob";
+    figures_.edit.is_supported = true;
+    figures_.edit.selected.emplace();
+    figures_.edit.selected->name = "box";
+    for (const char* key : {"m", "l", "k", "r"}) after(key);
+    std::vector<const ImGuiWindow*> panels;
+    for (const char* name : {"figures", "menu", "edit", "sites", "viewpoints"}) {
+        panels.push_back(ImGui::FindWindowByName(name));
+        ASSERT_NE(panels.back(), nullptr) << name;
+        ASSERT_TRUE(panels.back()->Active) << name;
+        for (std::size_t i = 0; i + 1 < panels.size(); ++i)
+            EXPECT_FALSE(panels[i]->Rect().Overlaps(panels.back()->Rect()))
+                << panels[i]->Name << ", " << name;
+    }
+    const auto& order = ImGui::GetCurrentContext()->Windows;
+    const std::size_t num = static_cast<std::size_t>(order.Size);
+    ASSERT_GT(num, 2U);
+    EXPECT_STREQ(order[order.Size - 1]->Name, "question");
+    EXPECT_STREQ(order[order.Size - 2]->Name, "message");
+}
+
+TEST_F(ViewerWindow, TheStartScreenAsksBeforeEscapeEndsIt) {
+    StartScreen screen(bus::BusOptions{}, "");
+    const auto escape = [&] {
+        press("Escape");
+        for (int i = 0; i < 10; ++i) {
+            window_->poll();
+            window_->show_layout([&] { screen.draw({}); });
+        }
+        return screen.is_left();
+    };
+    EXPECT_FALSE(escape()) << "it asks first";
+    EXPECT_TRUE(escape());
 }
 
 TEST_F(ViewerWindow, AnyOtherKeyTakesAQuestionBack) {

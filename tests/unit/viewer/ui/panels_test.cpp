@@ -1,6 +1,7 @@
 #include "tests/support/source_dir.hpp"
 #include "viewer/start/start_screen.hpp"
 #include "viewer/ui/curve.hpp"
+#include "viewer/ui/fields.hpp"
 #include "viewer/ui/keys.hpp"
 #include "viewer/ui/panel_layout.hpp"
 #include "viewer/ui/site_lines.hpp"
@@ -183,7 +184,7 @@ TEST(Panels, KeepTheirSizeAndCornerWhereTheyFit) {
     EXPECT_EQ(boxes[1].left, 1280 - 10 - 290);
     EXPECT_EQ(boxes[1].height, 520);
     EXPECT_EQ(boxes[2].top, 720 - 10 - 310);
-    EXPECT_EQ(boxes[3].left, 10 + 368 + 10) << "beside the object's panel";
+    EXPECT_EQ(boxes[3].top, 400 - 10 - 150) << "above the object's panel, the nearest free place";
     EXPECT_EQ(boxes[3].height, 150);
 }
 
@@ -195,6 +196,17 @@ TEST(Panels, CutTheLargestFirst) {
     EXPECT_EQ(boxes[1].height, 360 - 3 * 10 - 80);
     EXPECT_EQ(boxes[1].width, 380) << "as wide as the picture lets it, for its scroll bar";
     EXPECT_EQ(boxes[1].top + boxes[1].height, 350);
+}
+
+TEST(Masses, AreThoseOfTheSize) {
+    const NumberRange crate = masses_of(bus::Shape::kBox, {0.3, 0.3, 0.3}, 3.0);
+    EXPECT_FLOAT_EQ(crate.least, 0.027f);
+    EXPECT_FLOAT_EQ(crate.most, 810.0f);
+    EXPECT_LT(masses_of(bus::Shape::kSphere, {0.3, 0.3, 0.3}, 3.0).most, crate.most);
+    EXPECT_FLOAT_EQ(masses_of(bus::Shape::kBox, {10, 10, 10}, 3.0).most, 10'000.0f);
+    EXPECT_EQ(masses_of(bus::Shape::kConvex, {0.3, 0.3, 0.3}, 3.0).least, 0.0f);
+    EXPECT_FLOAT_EQ(masses_of(bus::Shape::kBox, {0.3, 0.3, 0.3}, 0.02).least, 0.02f)
+        << "what it has is allowed";
 }
 
 TEST(Curve, HasAScaleOfRoundNumbers) {

@@ -281,6 +281,7 @@ TEST_F(ViewerWindow, PanelOfTheSelectedObjectChangesItOnceAndEscapeDeselects) {
     figures_.edit.selected->name = "box";
     figures_.edit.selected->mass_kg = 2.5;
     figures_.edit.selected->size_m = {0.3, 0.2, 0.1};
+    display_->press(kTitle, "h");  // in this small window the figures would move the panel
     for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().edit.change) << "nothing was changed";
     // the column of the check box, from above
     const auto fixed_by_click = [&](int y) {
