@@ -16,12 +16,12 @@ namespace atrium::world_server {
 
 /// The contents of a world file, without the plain options of the server.
 struct WorldDescription {
-    std::string objects_at;             // as errors name it: "w.toml:7", or the file if it has none
+    std::string objects_at;  // as errors name it: "w.toml:7", or the file if it has none
     // likewise; empty if the file lacks the keys
     std::string rates_at, max_objects_at, max_sites_at;
-    physics::WorldOptions world;        // the file gives gravity and bounds
-    std::vector<WorldObject> objects;   // ids from 1; parts of puppets last
-    std::vector<WorldSoftObject> soft;  // ids continue after `objects`
+    physics::WorldOptions world;         // the file gives gravity and bounds
+    std::vector<WorldObject> objects;    // ids from 1; parts of puppets last
+    std::vector<WorldSoftObject> soft;   // ids continue after `objects`
     std::vector<physics::Joint> joints;  // refer to `objects` by id
     std::vector<WorldScenery> scenery;
     std::vector<NamedPlacement> placements;
