@@ -13,6 +13,9 @@
 namespace atrium::viewer {
 namespace {
 
+// A panel rather lacks a third of its area than stands on another side than usual.
+constexpr float kCostOfOtherSide = 0.1f;
+
 float covered_px2(const PanelBox& a, const PanelBox& b) {
     const PanelBox common = common_part(a, b);
     return common.width * common.height;
@@ -162,12 +165,12 @@ std::vector<PanelBox> lay_out_panels(const std::vector<PanelWish>& wishes, const
         if (is_on_the_right(cut[i].corner)) usual |= 1u << i;
     }
     if (auto boxes = place_uncut(cut, room)) return std::move(*boxes);
-    // the sides that cut least; of equal ones those with the fewest panels on another side
     Columns best;
-    std::pair least(std::numeric_limits<float>::infinity(), 0);
+    float least = std::numeric_limits<float>::infinity();
     for (unsigned right = 0; right < 1u << cut.size(); ++right) {
         Columns columns = in_columns(cut, room, right);
-        const std::pair cost(columns.cut, std::popcount(right ^ usual));
+        const float cost =
+            columns.cut + kCostOfOtherSide * static_cast<float>(std::popcount(right ^ usual));
         if (cost >= least) continue;
         least = cost;
         best = std::move(columns);

@@ -104,6 +104,8 @@ void begin_panel(const char* name, Corner corner, double share, PanelKind kind) 
 
 void begin_arranged_panel(const char* name, PanelKind kind, float width) {
     int flags = flags_of(kind);
+    // its fields follow its width; for a panel that scrolls sideways ImGui keeps them too wide
+    if (width > 0.0f) flags &= ~ImGuiWindowFlags_HorizontalScrollbar;
     if (ImGui::FindWindowByName(name) == nullptr) {
         // its first picture, in which nobody sees it
         if (width > 0.0f)

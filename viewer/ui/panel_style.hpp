@@ -31,8 +31,8 @@ enum class PanelKind : std::uint8_t {
     kMessage,  // as kText; lies over all panels and hides what lies behind it
 };
 
-/// Begins a panel that PanelPlaces has placed. `width` [px]: of its first picture, 0: as its
-/// content. End it with ImGui::End.
+/// Begins a panel that PanelPlaces has placed. `width` [px] of a panel whose fields follow it; 0:
+/// of one as wide as its content. End it with ImGui::End.
 void begin_arranged_panel(const char* name, PanelKind kind = PanelKind::kInput, float width = 0.0f);
 
 /// Greatest width [px] of a panel of that share of the picture's width: more in a narrow picture,

@@ -10,6 +10,12 @@
 #include <vector>
 
 namespace atrium::viewer {
+namespace {
+
+// The grey of a usual floor and sky: on a panel it is hardly seen.
+constexpr ImU32 kUsualScene = IM_COL32(172, 176, 181, 255);
+
+}  // namespace
 
 void Panels::draw(const HudContent& content, SurfaceEvents& events) {
     open_.drag = content.edit.is_dragging;
@@ -63,7 +69,7 @@ void Panels::cover_names(const HudContent& content) const {
             if (part.width > 0.0f && part.height > 0.0f)
                 list.AddRectFilled({part.left, part.top},
                                    {part.left + part.width, part.top + part.height},
-                                   IM_COL32(60, 66, 72, 255));
+                                   kUsualScene);
         }
     }
 }
