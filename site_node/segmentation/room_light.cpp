@@ -29,13 +29,11 @@ constexpr double kRichRange = 24.0;
 constexpr double kNearLuma = 12.0;
 constexpr double kFewNear = 1.0 / 3.0;  // of the places
 
-struct Places {
-    std::vector<double> room;  // [grey levels]
-    std::vector<double> picture;
-};
-
-Places sample(std::span<const std::uint16_t> room_luma, const image::PlaneView& picture) {
-    Places places;
+void sample(std::span<const std::uint16_t> room_luma,
+            const image::PlaneView& picture,
+            LightScratch& places) {
+    places.room.clear();
+    places.picture.clear();
     for (int y = kStep / 2; y + 1 < picture.height; y += kStep) {
         for (int x = kStep / 2; x + 1 < picture.width; x += kStep) {
             const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
@@ -49,27 +47,27 @@ Places sample(std::span<const std::uint16_t> room_luma, const image::PlaneView& 
                                      4.0);
         }
     }
-    return places;
 }
 
-double quantile(std::vector<double> values, double share) {
-    const auto at = values.begin() +
-                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::ranges::nth_element(values, at);
+double quantile(const std::vector<double>& values, double share, std::vector<double>& sorted) {
+    sorted.assign(values.begin(), values.end());
+    const auto at = sorted.begin() +
+                    static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
+    std::ranges::nth_element(sorted, at);
     return *at;
 }
 
 // Without the tenth of the places at either end.
-double range_of(const std::vector<double>& values) {
-    return quantile(values, 0.9) - quantile(values, 0.1);
+double range_of(const std::vector<double>& values, std::vector<double>& sorted) {
+    return quantile(values, 0.9, sorted) - quantile(values, 0.1, sorted);
 }
 
 // No picture of a room, unless most of the pictures show it, as in a room that is plain itself.
 // `ratio`: of the pictures to the room; a dark room has small ranges.
-bool is_plain(const Places& places, double ratio) {
-    const double range = range_of(places.room);
+bool is_plain(LightScratch& places, double ratio) {
+    const double range = range_of(places.room, places.sorted);
     const bool has_content = range >= kNoiseRange && range * std::max(ratio, 1.0) >= kPlainRange;
-    if (has_content || range_of(places.picture) <= kRichRange) return false;
+    if (has_content || range_of(places.picture, places.sorted) <= kRichRange) return false;
     double num_near = 0.0;
     for (std::size_t i = 0; i < places.room.size(); ++i)
         num_near += std::abs(places.room[i] - places.picture[i]) <= kNearLuma ? 1.0 : 0.0;
@@ -79,31 +77,33 @@ bool is_plain(const Places& places, double ratio) {
 }  // namespace
 
 std::optional<std::string> doubt_of_light(std::span<const std::uint16_t> room_luma,
-                                          const image::PlaneView& picture_luma) {
+                                          const image::PlaneView& picture_luma,
+                                          LightScratch& scratch) {
     if (room_luma.size() != static_cast<std::size_t>(picture_luma.width) *
                                 static_cast<std::size_t>(picture_luma.height))
         return std::nullopt;
-    const Places places = sample(room_luma, picture_luma);
-    if (places.room.size() < kFewestPlaces) return std::nullopt;
-    std::vector<double> ratios;
-    std::vector<double> differences;
+    sample(room_luma, picture_luma, scratch);
+    if (scratch.room.size() < kFewestPlaces) return std::nullopt;
+    scratch.ratios.clear();
+    scratch.differences.clear();
     double num_other = 0.0;
-    for (std::size_t i = 0; i < places.room.size(); ++i) {
-        const double room = places.room[i];
-        const double picture = places.picture[i];
-        differences.push_back(picture - room);
-        ratios.push_back(std::max(picture, kSmallestLuma) / std::max(room, kSmallestLuma));
+    for (std::size_t i = 0; i < scratch.room.size(); ++i) {
+        const double room = scratch.room[i];
+        const double picture = scratch.picture[i];
+        scratch.differences.push_back(picture - room);
+        scratch.ratios.push_back(std::max(picture, kSmallestLuma) / std::max(room, kSmallestLuma));
         const bool is_other = picture > kBrightestSurface * room + kLumaNoise ||
                               kDarkestSurface * picture + kLumaNoise < room;
         num_other += is_other ? 1.0 : 0.0;
     }
-    const double ratio = quantile(ratios, 0.5);
-    const double difference = quantile(differences, 0.5);
+    const double ratio = quantile(scratch.ratios, 0.5, scratch.sorted);
+    const double difference = quantile(scratch.differences, 0.5, scratch.sorted);
     const bool is_brighter = ratio > kMostBrighter && difference > kLeastDifference;
     const bool is_darker = ratio * kMostDarker < 1.0 && difference < -kLeastDifference;
-    const bool is_other = num_other > kMostOther * static_cast<double>(places.room.size());
-    if (is_plain(places, ratio))
-        return fmt::format("is one plain grey ({:.0f} of 255)", quantile(places.room, 0.5));
+    const bool is_other = num_other > kMostOther * static_cast<double>(scratch.room.size());
+    if (is_plain(scratch, ratio))
+        return fmt::format("is one plain grey ({:.0f} of 255)",
+                           quantile(scratch.room, 0.5, scratch.sorted));
     if (is_other && !is_brighter && !is_darker) return "shows something else than the pictures";
     if (is_brighter) return fmt::format("is {:.1f} times darker than the pictures", ratio);
     if (is_darker) return fmt::format("is {:.1f} times brighter than the pictures", 1.0 / ratio);

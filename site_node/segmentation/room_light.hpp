@@ -6,8 +6,18 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace atrium::segmentation {
+
+/// Memory for doubt_of_light.
+struct LightScratch {
+    std::vector<double> room;  // per place [grey levels]
+    std::vector<double> picture;
+    std::vector<double> ratios;
+    std::vector<double> differences;
+    std::vector<double> sorted;
+};
 
 /// Compares the brightness of a picture with that of the empty room, at places spread over both.
 /// Says why people cannot be told from this room if most places differ by more than shadows,
@@ -16,8 +26,10 @@ namespace atrium::segmentation {
 /// or for a room of another size than the picture.
 ///
 /// `room_luma`: means per pixel [1/256], row by row, as in BackgroundStatistics. Somebody right in
-/// front of the camera also hides most places: ask several pictures.
+/// front of the camera also hides most places: ask several pictures. Allocates only while `scratch`
+/// grows, or for a doubt.
 std::optional<std::string> doubt_of_light(std::span<const std::uint16_t> room_luma,
-                                          const image::PlaneView& picture_luma);
+                                          const image::PlaneView& picture_luma,
+                                          LightScratch& scratch);
 
 }  // namespace atrium::segmentation

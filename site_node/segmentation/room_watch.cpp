@@ -1,7 +1,5 @@
 #include "site_node/segmentation/room_watch.hpp"
 
-#include "site_node/segmentation/room_light.hpp"
-
 #include <algorithm>
 #include <bit>
 
@@ -41,7 +39,7 @@ std::optional<RoomWatch::Ghost> RoomWatch::look(const image::YuvView& picture,
 std::optional<std::string> RoomWatch::look_at_light(const image::YuvView& picture,
                                                     std::span<const std::uint16_t> luma) {
     if (num_other_light_ >= kOtherLight) return std::nullopt;
-    auto doubt = doubt_of_light(luma, picture.y);
+    auto doubt = doubt_of_light(luma, picture.y, light_scratch_);
     num_other_light_ = doubt ? num_other_light_ + 1 : 0;
     return num_other_light_ == kOtherLight ? doubt : std::nullopt;
 }

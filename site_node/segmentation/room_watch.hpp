@@ -3,6 +3,7 @@
 #include "core/image/image.hpp"
 #include "site_node/segmentation/background_model.hpp"
 #include "site_node/segmentation/component_votes.hpp"
+#include "site_node/segmentation/room_light.hpp"
 
 #include <array>
 #include <cstdint>
@@ -62,6 +63,7 @@ private:
     int num_other_light_ = 0;  // looks in a row; not counted on once told
     std::array<std::uint16_t, kGrid * kGrid> history_{};
     ComponentScratch scratch_;
+    LightScratch light_scratch_;
 };
 
 }  // namespace atrium::segmentation

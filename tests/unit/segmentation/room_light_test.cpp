@@ -20,9 +20,10 @@ protected:
         return frame;
     }
     std::optional<std::string> doubt(const image::YuvImage& room, const image::YuvImage& picture) {
-        return doubt_of_light(learn(room, 3, random_).luma, picture.y);
+        return doubt_of_light(learn(room, 3, random_).luma, picture.y, scratch_);
     }
     std::mt19937 random_{5};
+    LightScratch scratch_;
 };
 
 TEST_F(RoomLight, AcceptsWhatSegmentationCompensates) {

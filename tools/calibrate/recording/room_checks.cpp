@@ -91,7 +91,8 @@ RoomFinding compare_room(const Shots& frames, const Shots& room, std::size_t max
     if (!learned || learned->width != take[0].width() || learned->height != take[0].height())
         return {};
     const segmentation::SteadyPicture steady = segmentation::find_steady_picture(take);
-    if (auto light = segmentation::doubt_of_light(learned->luma, steady.picture.y))
+    segmentation::LightScratch scratch;
+    if (auto light = segmentation::doubt_of_light(learned->luma, steady.picture.y, scratch))
         return {std::nullopt, std::move(light)};
     return {segmentation::find_ghost(*learned, steady, {}), std::nullopt};
 }
