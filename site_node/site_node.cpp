@@ -79,13 +79,7 @@ Expected<void> SiteNode::explain_no_output(const bus::SiteStatus& total, bool wa
     if (was_stopped && num_published + num_lost < kManyLost) return {};
     if (num_published > 0) {
         if (found.empty()) {  // an empty room
-            app::log::warn(
-                "nobody_seen metaframes={} reason=\"no camera saw anybody\" advice=\"if somebody "
-                "was "
-                "there, look at what the cameras show: --preview FILE.png; the empty room must "
-                "have "
-                "the light of the pictures, masks must show people in white: docs/backgrounds.md\"",
-                num_published);
+            warn_of_nobody(num_published);
             return {};
         }
         return make_error(ErrorKind::kInvalidData,
@@ -105,6 +99,15 @@ Expected<void> SiteNode::explain_no_output(const bus::SiteStatus& total, bool wa
                     reason.empty() ? "; the counts of the cameras above say which pictures are "
                                      "missing"
                                    : ": " + reason));
+}
+
+void SiteNode::warn_of_nobody(std::uint64_t num_metaframes) {
+    if (told_nobody_.exchange(true)) return;
+    app::log::warn(
+        "nobody_seen metaframes={} reason=\"no mesh has a person\" advice=\"if somebody was there, "
+        "look at what the cameras show: --preview FILE.png; the empty room must have the light of "
+        "the pictures and nobody in it, masks must show people in white: docs/backgrounds.md\"",
+        num_metaframes);
 }
 
 void SiteNode::capture_metaframes(std::stop_token stop) {
@@ -253,6 +256,9 @@ void SiteNode::publish_frames(std::stop_token stop) {
         if (num_published_ == 0) first_output_s_ = app::seconds_since_start();
         ++num_published_;
         if (!(*frame)->draco.empty()) ++num_with_people_;
+        // a whole recording; one that loops never ends
+        if (num_published_ == source_->num_frames() && num_with_people_ == 0)
+            warn_of_nobody(num_published_);
         {
             const std::lock_guard lock(latency_mutex_);
             capture_to_publish_.add(Timestamp::now() - (*frame)->capture_time);

@@ -90,6 +90,8 @@ private:
     void compute_frame(Ready& ready);
     void count_failure(std::uint64_t frame_id, const Error& error);
     void count_losses(const SiteFrame& frame);
+    /// Warns, once, that this many metaframes were published and none has a person.
+    void warn_of_nobody(std::uint64_t num_metaframes);
     Expected<void> explain_no_output(const bus::SiteStatus& total, bool was_stopped);
     void show_preview(const Pipeline::Silhouettes& silhouettes);
     void publish_frames(std::stop_token stop);
@@ -118,6 +120,7 @@ private:
     std::atomic<std::uint64_t> num_failed_{0};
     std::atomic<std::uint64_t> num_published_{0};
     std::atomic<std::uint64_t> num_with_people_{0};  // published with a hull
+    std::atomic<bool> told_nobody_ = false;
     std::atomic<std::uint64_t> num_bytes_{0};
     OffsetBoard offsets_;
     RigWatcher rig_watcher_;

@@ -133,6 +133,11 @@ void RigWatch::judge_agreement(const Look& look,
     if (recent_shares_.size() > kRecent) recent_shares_.pop_front();
     if (agreement.share() >= kFineShare) return;
     num_good_looks_ = 0;
+    // a camera that sees nobody explains all, and its empty room is the likeliest cause
+    const auto is_blind = [](const auto& camera) {
+        return camera.second.looks_with_somebody == 0 && camera.second.looks_only_others > 0;
+    };
+    if (std::ranges::any_of(cameras_, is_blind)) return;
     const bool is_soon = last_diagnosis_ && now - *last_diagnosis_ < kDiagnosisPeriod;
     if (is_soon && num_diagnoses_ >= kQuickDiagnoses) return;
     last_diagnosis_ = now;

@@ -18,11 +18,13 @@ constexpr double kSmallestLuma = 8.0;  // for ratios: below it all is noise
 constexpr double kMostBrighter = 1.35;
 constexpr double kMostDarker = 1.35;
 constexpr double kLeastDifference = 10.0;  // of half of the places: a dark room is mostly noise
-// What no shadow and no highlight explains, whatever half of the places do.
-constexpr double kBrightestSurface = 2.2;
-constexpr double kDarkestSurface = 3.5;
-constexpr double kLumaNoise = 8.0;
-constexpr double kMostOther = 0.6;  // of the places
+// Squares of the picture, compared by what they show, whatever the light.
+constexpr int kSquare = 32;       // [px]
+constexpr int kSquareStep = 48;   // from square to square
+constexpr double kTexture = 5.0;  // deviation of luma from which a square shows something
+constexpr double kAlike = 0.4;    // correlation
+constexpr std::size_t kFewestSquares = 12;
+constexpr double kMostOther = 0.65;  // of the squares: people hide fewer
 constexpr double kNoiseRange = 2.0;
 constexpr double kPlainRange = 6.0;  // in the light of the pictures
 constexpr double kRichRange = 24.0;
@@ -74,6 +76,56 @@ bool is_plain(LightScratch& places, double ratio) {
     return num_near < kFewNear * static_cast<double>(places.room.size());
 }
 
+// Correlation of a square of both, from sums of 2x2 pixels; nullopt if the room has no texture
+// there.
+std::optional<double> likeness_of(std::span<const std::uint16_t> room_luma,
+                                  const image::PlaneView& picture,
+                                  int left,
+                                  int top) {
+    double n = 0.0;
+    double a = 0.0;
+    double b = 0.0;
+    double aa = 0.0;
+    double bb = 0.0;
+    double ab = 0.0;
+    for (int y = top; y < top + kSquare; y += 2) {
+        const std::uint16_t* const room =
+            room_luma.data() + static_cast<std::ptrdiff_t>(y) * picture.width;
+        const std::uint16_t* const below = room + picture.width;
+        for (int x = left; x < left + kSquare; x += 2) {
+            const double of_room = (room[x] + room[x + 1] + below[x] + below[x + 1]) / 1024.0;
+            const double of_picture = (picture.at(x, y) + picture.at(x + 1, y) +
+                                       picture.at(x, y + 1) + picture.at(x + 1, y + 1)) /
+                                      4.0;
+            n += 1.0;
+            a += of_room;
+            b += of_picture;
+            aa += of_room * of_room;
+            bb += of_picture * of_picture;
+            ab += of_room * of_picture;
+        }
+    }
+    const double variance_a = aa / n - a / n * a / n;
+    const double variance_b = bb / n - b / n * b / n;
+    if (variance_a < kTexture * kTexture) return std::nullopt;
+    return (ab / n - a / n * b / n) / std::sqrt(variance_a * std::max(variance_b, 1.0));
+}
+
+bool is_other_view(std::span<const std::uint16_t> room_luma, const image::PlaneView& picture) {
+    std::size_t num = 0;
+    std::size_t num_other = 0;
+    for (int y = 0; y + kSquare <= picture.height; y += kSquareStep) {
+        for (int x = 0; x + kSquare <= picture.width; x += kSquareStep) {
+            const auto likeness = likeness_of(room_luma, picture, x, y);
+            if (!likeness) continue;
+            ++num;
+            num_other += *likeness < kAlike ? 1 : 0;
+        }
+    }
+    return num >= kFewestSquares &&
+           static_cast<double>(num_other) > kMostOther * static_cast<double>(num);
+}
+
 }  // namespace
 
 std::optional<std::string> doubt_of_light(std::span<const std::uint16_t> room_luma,
@@ -86,27 +138,24 @@ std::optional<std::string> doubt_of_light(std::span<const std::uint16_t> room_lu
     if (scratch.room.size() < kFewestPlaces) return std::nullopt;
     scratch.ratios.clear();
     scratch.differences.clear();
-    double num_other = 0.0;
     for (std::size_t i = 0; i < scratch.room.size(); ++i) {
         const double room = scratch.room[i];
         const double picture = scratch.picture[i];
         scratch.differences.push_back(picture - room);
         scratch.ratios.push_back(std::max(picture, kSmallestLuma) / std::max(room, kSmallestLuma));
-        const bool is_other = picture > kBrightestSurface * room + kLumaNoise ||
-                              kDarkestSurface * picture + kLumaNoise < room;
-        num_other += is_other ? 1.0 : 0.0;
     }
     const double ratio = quantile(scratch.ratios, 0.5, scratch.sorted);
     const double difference = quantile(scratch.differences, 0.5, scratch.sorted);
     const bool is_brighter = ratio > kMostBrighter && difference > kLeastDifference;
     const bool is_darker = ratio * kMostDarker < 1.0 && difference < -kLeastDifference;
-    const bool is_other = num_other > kMostOther * static_cast<double>(scratch.room.size());
     if (is_plain(scratch, ratio))
         return fmt::format("is one plain grey ({:.0f} of 255)",
                            quantile(scratch.room, 0.5, scratch.sorted));
-    if (is_other && !is_brighter && !is_darker) return "shows something else than the pictures";
     if (is_brighter) return fmt::format("is {:.1f} times darker than the pictures", ratio);
     if (is_darker) return fmt::format("is {:.1f} times brighter than the pictures", 1.0 / ratio);
+    if (is_other_view(room_luma, picture_luma))
+        return "shows another view: the camera moved or was set otherwise since, or it is another "
+               "room";
     return std::nullopt;
 }
 

@@ -19,11 +19,11 @@ struct LightScratch {
     std::vector<double> sorted;
 };
 
-/// Compares the brightness of a picture with that of the empty room, at places spread over both.
-/// Says why people cannot be told from this room if most places differ by more than shadows,
-/// highlights and the compensation of the light explain: "is 4.1 times darker than the pictures",
-/// "is one plain grey (128 of 255)", "shows something else than the pictures". nullopt if they fit,
-/// or for a room of another size than the picture.
+/// Compares a picture with the empty room, at places spread over both. Says why people cannot be
+/// told from this room: most places differ in brightness by more than shadows, highlights and the
+/// compensation of the light explain ("is 4.1 times darker than the pictures"), the room is "one
+/// plain grey (128 of 255)", or squares with texture show something else ("shows another view:
+/// ..."). nullopt if they fit, or for a room of another size than the picture.
 ///
 /// `room_luma`: means per pixel [1/256], row by row, as in BackgroundStatistics. Somebody right in
 /// front of the camera also hides most places: ask several pictures. Allocates only while `scratch`

@@ -56,6 +56,19 @@ TEST_F(ImportedRoom, WithAPersonInOneCameraIsACheck) {
                        HasSubstr("--segmentation.background_from people"))));
 }
 
+// Taken from the middle of a take in which somebody sits.
+TEST_F(ImportedRoom, WithThePersonOfTheTakeIsAProblem) {
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 12; ++i)
+            write(take(fmt::format("cam{}/{:04}.png", camera, i)), picture(20));
+        write(take(fmt::format("empty/cam{}.png", camera)), picture(20));
+    }
+    EXPECT_THAT(imported().problems,
+                Contains(AllOf(HasSubstr("nobody is seen before the empty room of 'cam1' (" +
+                                         take("empty/cam1.png").string()),
+                               HasSubstr("does it show the same person?"))));
+}
+
 TEST_F(ImportedRoom, InOtherLightIsAProblem) {
     for (int camera = 1; camera <= 3; ++camera) {
         write_take(camera);

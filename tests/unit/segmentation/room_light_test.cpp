@@ -55,18 +55,37 @@ TEST_F(RoomLight, TellsPlainRoomsAndOtherViews) {
                 Optional(HasSubstr("is one plain grey (")));
     EXPECT_THAT(doubt(plain(240, 160, {128, 128, 128}), in_light(1.0)),
                 Optional(std::string("is one plain grey (128 of 255)")));
-    image::YuvImage squares = plain(240, 160, {0, 128, 128});
-    image::YuvImage inverse = squares;
-    for (int y = 0; y < 160; ++y) {
-        for (int x = 0; x < 240; ++x) {
-            // a third is grey in both
-            const int kind = (x / 40 + y / 40) % 3;
-            squares.y.row(y)[x] = kind == 0 ? 200 : kind == 1 ? 30 : 90;
-            inverse.y.row(y)[x] = kind == 0 ? 30 : kind == 1 ? 200 : 90;
+}
+
+// Patches of random light, seen again from a little further to the side, or with somebody who hides
+// half of them.
+TEST_F(RoomLight, TellsAnotherViewFromTheSameOneWithSomebodyInIt) {
+    const int width = 480;
+    const int height = 320;
+    image::YuvImage wide = plain(width + 64, height, {0, 128, 128});
+    std::uniform_int_distribution<int> luma(60, 180);
+    for (int y = 0; y < height; y += 16) {
+        for (int x = 0; x < width + 64; x += 16) {
+            const auto value = static_cast<std::uint8_t>(luma(random_));
+            for (int row = y; row < y + 16; ++row) std::fill_n(wide.y.row(row) + x, 16, value);
         }
     }
-    EXPECT_THAT(doubt(squares, inverse),
-                Optional(std::string("shows something else than the pictures")));
+    const auto view_from = [&](int left, double light) {
+        image::YuvImage view = plain(width, height, {0, 128, 128});
+        for (int y = 0; y < height; ++y) std::copy_n(wide.y.row(y) + left, width, view.y.row(y));
+        scale_light(view, {0, 0, width, height}, light);
+        return view;
+    };
+    const image::YuvImage room = view_from(0, 1.0);
+    for (const double light : {0.85, 1.0, 1.2}) {
+        EXPECT_THAT(doubt(room, view_from(40, light)), Optional(HasSubstr("shows another view")))
+            << light;
+        image::YuvImage with_somebody = view_from(0, light);
+        EXPECT_EQ(doubt(room, with_somebody), std::nullopt) << light;
+        for (int y = 0; y < height; ++y)
+            std::fill_n(with_somebody.y.row(y) + width / 2, width / 2, std::uint8_t{90});
+        EXPECT_EQ(doubt(room, with_somebody), std::nullopt) << light;
+    }
 }
 
 TEST_F(RoomLight, IsUnknownForAnotherSize) {

@@ -1,7 +1,9 @@
 #include "tools/calibrate/recording/room_checks.hpp"
 
 #include "site_node/capture/picture_file.hpp"
+#include "site_node/segmentation/component_votes.hpp"
 #include "site_node/segmentation/room_light.hpp"
+#include "site_node/segmentation/segmentation.hpp"
 #include "site_node/segmentation/steady_picture.hpp"
 
 #include <fmt/format.h>
@@ -79,7 +81,15 @@ std::vector<image::YuvImage> read_some(const Shots& shots, std::size_t max_decod
 struct RoomFinding {
     std::optional<segmentation::RoomGhost> ghost;
     std::optional<std::string> light;
+    bool shows_nobody = false;  // no picture of the take differs from the room by a person
 };
+
+bool shows_somebody(segmentation::Segmenter& segmenter, const image::YuvImage& picture) {
+    image::Mask mask;
+    if (!segmenter.segment(picture, mask)) return true;
+    const auto num = std::ranges::count(mask.data, std::uint8_t{255});
+    return segmentation::has_size_of_person(static_cast<std::int32_t>(num), mask);
+}
 
 RoomFinding compare_room(const Shots& frames, const Shots& room, std::size_t max_decoded) {
     const std::vector<image::YuvImage> take = read_some(frames, max_decoded);
@@ -93,8 +103,12 @@ RoomFinding compare_room(const Shots& frames, const Shots& room, std::size_t max
     const segmentation::SteadyPicture steady = segmentation::find_steady_picture(take);
     segmentation::LightScratch scratch;
     if (auto light = segmentation::doubt_of_light(learned->luma, steady.picture.y, scratch))
-        return {std::nullopt, std::move(light)};
-    return {segmentation::find_ghost(*learned, steady, {}), std::nullopt};
+        return {std::nullopt, std::move(light), false};
+    RoomFinding found{segmentation::find_ghost(*learned, steady, {}), std::nullopt, false};
+    segmentation::Segmenter segmenter(*learned, {});
+    found.shows_nobody = std::ranges::none_of(
+        take, [&](const image::YuvImage& picture) { return shows_somebody(segmenter, picture); });
+    return found;
 }
 
 fs::path shown_file(const Shots& shots) {
@@ -107,6 +121,7 @@ std::vector<RoomDoubt> doubt_rooms(const Material& material) {
     if (!material.masks.empty()) return {};
     std::vector<std::string> ghosts;
     std::vector<std::string> lights;
+    std::vector<std::string> empty;
     for (const auto& [camera, room] : material.backgrounds) {
         const Look& look = material.looks.at(camera);
         const std::size_t pixels = static_cast<std::size_t>(look.width) *
@@ -121,6 +136,7 @@ std::vector<RoomDoubt> doubt_rooms(const Material& material) {
             ghosts.push_back(fmt::format(
                 "'{}' at ({}, {}) of {}", camera, found.ghost->x, found.ghost->y, file));
         }
+        if (found.shows_nobody) empty.push_back(fmt::format("'{}' ({})", camera, file));
         if (found.light)
             lights.push_back(fmt::format("that of '{}' {} ({})", camera, *found.light, file));
     }
@@ -139,12 +155,22 @@ std::vector<RoomDoubt> doubt_rooms(const Material& material) {
     }
     if (!lights.empty()) {
         doubts.push_back(
-            {fmt::format(
-                 "background: people cannot be told reliably from the empty room: {}. Film the "
-                 "empty room with the light and the exposure of the recording, or {}",
-                 fmt::join(lights, ", "),
-                 kLearnFromPeople),
+            {fmt::format("background: people cannot be told reliably from the empty room: {}. Film "
+                         "it again "
+                         "with the cameras, the light and the exposure of the recording, or {}",
+                         fmt::join(lights, ", "),
+                         kLearnFromPeople),
              is_most(lights)});
+    }
+    if (!empty.empty()) {
+        doubts.push_back(
+            {fmt::format("background: nobody is seen before the empty room of {}, in up to {} "
+                         "pictures of the take: does it show the same person? Film it without "
+                         "anybody, or {}",
+                         fmt::join(empty, ", "),
+                         kMostPictures,
+                         kLearnFromPeople),
+             is_most(empty)});
     }
     return doubts;
 }

@@ -7,7 +7,7 @@
 
 namespace atrium::calibrate {
 
-/// People in pictures of the empty room, or another light.
+/// People in pictures of the empty room, another light or view, or nobody to be seen before it.
 struct RoomDoubt {
     std::string text;  // the cameras, places, files and the cure
     bool is_in_most_cameras = false;
