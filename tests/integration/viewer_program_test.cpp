@@ -93,11 +93,12 @@ protected:
     }
     std::string command_line() const {
         std::ostringstream command;
-        command << ATRIUM_BIN_DIR "/viewer " << world_option() << " --bus.domain " << kDomain
-                << " --view.width " << kSize.width << " --view.height " << kSize.height
-                << " --view.position_m 3,0,1 --view.target_m 0,0,1 --video.fps " << kVideoHz
-                << " --view.adapt off"  // a busy machine must not change the picture
-                << " --screenshot_dir " << folder_.string() << " > " << log_file().string();
+        command
+            << ATRIUM_BIN_DIR "/viewer " << world_option() << " --bus.domain " << kDomain
+            << " --view.width " << kSize.width << " --view.height " << kSize.height
+            << " --view.position_m 3,0,1 --view.target_m 0,0,1 --video.fps " << kVideoHz
+            << " --view.name tester --view.adapt off"  // a busy machine must not change the picture
+            << " --screenshot_dir " << folder_.string() << " > " << log_file().string();
         return command.str();
     }
     virtual std::string world_option() const { return "--bus.world viewer-program-test"; }
@@ -284,11 +285,11 @@ protected:
 TEST_F(ViewerStart, JoinsTheChosenWorldAndComesBackForAnother) {
     const VirtualDisplay::Size size{kSize.width, kSize.height};
     EXPECT_EQ(display_->size_of(kTitle), size);
-    EXPECT_TRUE(display_->size_of("viewer-program-test - Atrium"));
+    EXPECT_TRUE(display_->size_of("viewer-program-test - tester - Atrium"));
     display_->press(kTitle, "BackSpace");
     EXPECT_TRUE(comes_true([&] { return !shows_the_box(); })) << log();
     EXPECT_EQ(display_->size_of(kTitle), size) << "the window stays";
-    EXPECT_FALSE(display_->size_of("viewer-program-test - Atrium"));
+    EXPECT_FALSE(display_->size_of("viewer-program-test - tester - Atrium"));
     // the world is gone, but remembered
     member_.reset();
     EXPECT_TRUE(comes_true([&] {

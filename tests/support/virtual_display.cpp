@@ -46,7 +46,7 @@ struct Place {
     int height = 0;
 };
 
-// A program may put what it shows before its name: "playroom - Atrium".
+// A program may put what it shows before its name: "playroom - alice - Atrium".
 bool is_titled(std::string_view name, const std::string& title) {
     return name == title || name.ends_with(" - " + title);
 }
