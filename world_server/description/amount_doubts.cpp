@@ -43,7 +43,7 @@ void doubt_densities(const WorldDescription& world, std::vector<std::string>& li
                         object.name,
                         mass_kg,
                         density,
-                        density < kLeastDensity ? "hardly more than air; foam has 20, wood 600"
+                        density < kLeastDensity ? "hardly more than air; foam has 40, wood 600"
                                                 : "more than any metal; steel has 7800"));
     }
 }
@@ -79,11 +79,56 @@ Pull pull_of(const physics::Joint& joint, const WorldDescription& world) {
     return pull;
 }
 
+const WorldObject* object_of(const WorldDescription& world, std::uint32_t id) {
+    const auto found = std::ranges::find(
+        world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
+    return found == world.objects.end() ? nullptr : &*found;
+}
+
+bool is_movable(const WorldObject* object) {
+    return object != nullptr && object->rigid.mass_kg > 0.0;
+}
+
+// Motors that cannot move what they drive: away from a limit, or up against its weight.
+void doubt_motors(const WorldDescription& world, std::vector<std::string>& lines) {
+    for (const physics::Joint& joint : world.joints) {
+        if (joint.motor_max == 0.0 || joint.motor_speed == 0.0) continue;
+        const WorldObject* const a = object_of(world, joint.a);
+        const WorldObject* const b = object_of(world, joint.b);
+        const auto doubt = [&](const std::string& reason) {
+            lines.push_back(fmt::format("joint_looks_wrong a={} b={} reason=\"{}\"",
+                                        a == nullptr ? "world" : a->name,
+                                        b == nullptr ? "world" : b->name,
+                                        reason));
+        };
+        const bool is_forward = joint.motor_speed > 0.0;
+        if (joint.limits && (*joint.limits)[is_forward ? 1 : 0] == 0.0) {
+            doubt(
+                fmt::format("its motor drives it {} its {} limit of 0, where it starts, so it "
+                            "cannot move: turn the sign of the motor's speed, or change the limits",
+                            is_forward ? "above" : "below",
+                            is_forward ? "upper" : "lower"));
+            continue;
+        }
+        if (joint.kind != physics::JointKind::kSlider || is_movable(a) == is_movable(b)) continue;
+        const WorldObject& moving = is_movable(a) ? *a : *b;
+        const double sign = (is_forward ? 1.0 : -1.0) * (is_movable(a) ? 1.0 : -1.0);
+        const double weight_n =
+            -sign * moving.rigid.mass_kg * world.world.gravity.dot(joint.axis.normalized());
+        if (weight_n <= joint.motor_max) continue;
+        doubt(
+            fmt::format("its motor has {:.3g} newtons, but {} alone weighs {:.3g} along the "
+                        "axis: it cannot lift it: give motor_max_n that and what it carries",
+                        joint.motor_max,
+                        moving.name,
+                        weight_n));
+    }
+}
+
 void doubt_springs(const WorldDescription& world, std::vector<std::string>& lines) {
     const auto name = [&](std::uint32_t id) {
-        const auto found = std::ranges::find(
-            world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
-        return found == world.objects.end() ? "world" : found->name;
+        const WorldObject* const object = object_of(world, id);
+        return object == nullptr ? "world" : object->name;
     };
     for (const physics::Joint& joint : world.joints) {
         if (joint.kind != physics::JointKind::kSpring) continue;
@@ -113,6 +158,7 @@ void doubt_springs(const WorldDescription& world, std::vector<std::string>& line
 void doubt_amounts(const WorldDescription& world, std::vector<std::string>& lines) {
     doubt_friction(world, lines);
     doubt_densities(world, lines);
+    doubt_motors(world, lines);
     doubt_springs(world, lines);
 }
 

@@ -1,5 +1,8 @@
 #include "world_server/description/layout_doubts.hpp"
 
+#include "core/geometry/aabb.hpp"
+#include "world_server/description/start_doubts.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +13,7 @@ namespace atrium::world_server {
 namespace {
 
 constexpr double kSamePlace_m = 0.5;  // people are about as wide
+constexpr double kNarrowestFloor_m = 2.0;
 
 void doubt_empty(const WorldDescription& world, std::vector<std::string>& lines) {
     if (!world.objects.empty() || !world.soft.empty() || !world.scenery.empty()) return;
@@ -19,9 +23,11 @@ void doubt_empty(const WorldDescription& world, std::vector<std::string>& lines)
         world.objects_at.empty() ? "give a world file with --config" : "add [[object]] tables"));
 }
 
-// The objects that joints hold, directly or by others, in the world.
+// The objects that joints hold, directly or by others, in the world or at fixed objects; and those.
 std::set<std::uint32_t> hanging_in(const WorldDescription& world) {
     std::set<std::uint32_t> hanging{0};  // the world
+    for (const WorldObject& object : world.objects)
+        if (object.rigid.mass_kg == 0.0) hanging.insert(object.rigid.id);
     for (std::size_t before = 0; before != hanging.size();) {
         before = hanging.size();
         for (const physics::Joint& joint : world.joints) {
@@ -52,6 +58,49 @@ void doubt_floor(const WorldDescription& world, std::vector<std::string>& lines)
                     world.scenery.empty() ? "" : ", or make scenery solid"));
 }
 
+bool is_floor_like(const geometry::Aabb& box) {
+    const double width_m = std::min(box.size().x(), box.size().y());
+    return width_m >= kNarrowestFloor_m && box.size().z() <= 0.25 * width_m;
+}
+
+// A floor that somebody forgot to fix falls, and all that stands on it. Names the lowest one.
+void doubt_falling(const WorldDescription& world, std::vector<std::string>& lines) {
+    if (world.world.gravity.z() >= 0.0) return;
+    std::vector<geometry::Aabb> carriers;
+    for (const WorldObject& object : world.objects) {
+        if (object.rigid.mass_kg == 0.0) {
+            if (object.rigid.shape == physics::ObjectShape::kPlane) return;
+            carriers.push_back(start_box_of(to_rigid(object)));
+        }
+    }
+    for (const WorldScenery& scenery : world.scenery)
+        if (scenery.is_solid) carriers.push_back(scenery.box);
+    if (carriers.empty()) return;  // see doubt_floor
+    const auto may_carry = [](const geometry::Aabb& carrier, const geometry::Aabb& box) {
+        return carrier.min.x() < box.max.x() && carrier.max.x() > box.min.x() &&
+               carrier.min.y() < box.max.y() && carrier.max.y() > box.min.y() &&
+               carrier.min.z() < box.max.z();
+    };
+    const std::set<std::uint32_t> hanging = hanging_in(world);
+    const WorldObject* lowest = nullptr;
+    double lowest_z = 0.0;
+    for (const WorldObject& object : world.objects) {
+        if (object.rigid.mass_kg == 0.0 || hanging.contains(object.rigid.id)) continue;
+        const geometry::Aabb box = start_box_of(to_rigid(object));
+        if (!is_floor_like(box) ||
+            std::ranges::any_of(carriers, [&](const auto& c) { return may_carry(c, box); }))
+            continue;
+        if (lowest != nullptr && box.min.z() >= lowest_z) continue;
+        lowest = &object;
+        lowest_z = box.min.z();
+    }
+    if (lowest == nullptr) return;
+    lines.push_back(
+        fmt::format("object_looks_wrong name={} reason=\"nothing fixed is below it, so it falls "
+                    "out of the world: mass_kg = 0 makes a floor or a table fixed\"",
+                    lowest->name));
+}
+
 void doubt_sites(const WorldDescription& world, std::vector<std::string>& lines) {
     for (std::size_t i = 0; i < world.placements.size(); ++i) {
         for (std::size_t k = 0; k < i; ++k) {
@@ -76,6 +125,7 @@ void doubt_sites(const WorldDescription& world, std::vector<std::string>& lines)
 void doubt_layout(const WorldDescription& world, std::vector<std::string>& lines) {
     doubt_empty(world, lines);
     doubt_floor(world, lines);
+    doubt_falling(world, lines);
     doubt_sites(world, lines);
 }
 

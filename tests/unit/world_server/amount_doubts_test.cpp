@@ -29,6 +29,22 @@ TEST_F(WorldDoubts, NameADensityThatNoMaterialHas) {
     EXPECT_THAT(doubts(box("b", 0, "")), IsEmpty()) << "a fixed object has no mass";
 }
 
+TEST_F(WorldDoubts, NameAMotorThatCannotMoveItsObject) {
+    const auto lift = [](const std::string& rest) {
+        return box("tray", 2, "position_m = [0, 0, 1]") +
+               "[[joint]]\nkind = \"slider\"\na = \"tray\"\nanchor_m = [0, 0, 1]\naxis = [0, 0, "
+               "1]\n" +
+               rest;
+    };
+    EXPECT_THAT(doubts(lift("motor_mps = 0.1\nmotor_max_n = 25\nlimits_m = [0, 1]\n")), IsEmpty());
+    EXPECT_THAT(doubts(lift("motor_mps = -0.1\nmotor_max_n = 5\n")), IsEmpty()) << "down";
+    EXPECT_THAT(doubts(lift("motor_mps = 0.1\nmotor_max_n = 15\n")),
+                ElementsAre(HasSubstr("joint_looks_wrong a=tray b=world reason=\"its motor has 15 "
+                                      "newtons, but tray alone weighs 19.6 along the axis")));
+    EXPECT_THAT(doubts(lift("motor_mps = -0.1\nmotor_max_n = 25\nlimits_m = [0, 1]\n")),
+                ElementsAre(HasSubstr("drives it below its lower limit of 0, where it starts")));
+}
+
 TEST_F(WorldDoubts, NameASpringThatThrowsItsObject) {
     const auto spring = [](const std::string& rest) {
         return box("b", 1, "position_m = [0, 0, 1]") +

@@ -41,6 +41,19 @@ TEST_F(WorldDoubts, NameAWorldInWhichNothingCarriesWhatFalls) {
                 Contains(HasSubstr("with shape = plane, or make scenery solid")));
 }
 
+TEST_F(WorldDoubts, NameTheLowestThatFallsOutOfTheWorld) {
+    const std::string slab = "[[object]]\nname = \"slab\"\nshape = \"box\"\nsize_m = [6, 6, 0.1]\n";
+    const std::string wall = box("wall", 0, "position_m = [5, 0, 1]");
+    const std::string mug = box("mug", 1, "position_m = [1, 0, 0.3]");
+    EXPECT_THAT(
+        all_doubts(slab + "mass_kg = 100\n" + wall + mug),
+        ElementsAre(HasSubstr("object_looks_wrong name=slab reason=\"nothing fixed is below "
+                              "it, so it falls out of the world: mass_kg = 0")));
+    EXPECT_THAT(all_doubts(slab + "mass_kg = 0\n" + wall + mug), IsEmpty());
+    EXPECT_THAT(all_doubts(slab + "mass_kg = 100\nposition_m = [0, 0, 0.06]\n" + kFloor),
+                IsEmpty());
+}
+
 TEST_F(WorldDoubts, NameASiteAtThePlaceOfAnother) {
     const auto site = [](const std::string& name, double x_m) {
         return "[[site]]\nname = \"" + name + "\"\nposition_m = [" + std::to_string(x_m) +
