@@ -104,6 +104,31 @@ std::vector<std::string> worlds_of(const dds_qos_t* qos) {
     return worlds;
 }
 
+namespace {
+
+// An endpoint by which a world is known.
+struct Witness {
+    dds_entity_t reader;  // of the built-in topic
+    dds_instance_handle_t endpoint;
+};
+
+bool is_there(const Witness& witness) {
+    void* sample = nullptr;
+    dds_sample_info_t info;
+    const int num = dds_read_instance_mask(
+        witness.reader,
+        &sample,
+        &info,
+        1,
+        1,
+        witness.endpoint,
+        DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE);
+    if (num > 0) dds_return_loan(witness.reader, &sample, num);
+    return num > 0;
+}
+
+}  // namespace
+
 struct PeerWatch::State {
     std::mutex mutex;
     std::string world;
@@ -113,7 +138,7 @@ struct PeerWatch::State {
     std::list<WatchedEndpoint> endpoints;
     bool endpoints_changed = false;
     std::set<std::string> reported;
-    std::set<std::string> other_worlds;
+    std::map<std::string, Witness> other_worlds;
     std::map<std::pair<dds_entity_t, dds_instance_handle_t>, std::chrono::steady_clock::time_point>
         waiting;              // compatible pairs that are not matched yet, and since when
     bool look_again = false;  // compare all endpoints again, because of `waiting`
@@ -123,7 +148,8 @@ struct PeerWatch::State {
                  dds_instance_handle_t handle,
                  bool theirs_write,
                  std::vector<std::string>& lines);
-    void remember_other_worlds(const std::vector<std::string>& worlds);
+    void remember_other_worlds(const std::vector<std::string>& worlds, const Witness& witness);
+    void forget_gone_worlds();
     bool is_overdue(const WatchedEndpoint& ours, dds_instance_handle_t theirs);
     std::string name_of(const dds_guid_t& participant);
 };
@@ -176,6 +202,7 @@ std::vector<std::string> PeerWatch::take_mismatches() {
     std::vector<std::string> lines;
     const std::lock_guard lock(state_->mutex);
     state_->endpoints_changed |= std::exchange(state_->look_again, false);
+    state_->forget_gone_worlds();
     state_->look(state_->publications, true, lines);
     state_->look(state_->subscriptions, false, lines);
     state_->endpoints_changed = false;
@@ -184,7 +211,9 @@ std::vector<std::string> PeerWatch::take_mismatches() {
 
 std::vector<std::string> PeerWatch::other_worlds() const {
     const std::lock_guard lock(state_->mutex);
-    return {state_->other_worlds.begin(), state_->other_worlds.end()};
+    std::vector<std::string> names;
+    for (const auto& [name, witness] : state_->other_worlds) names.push_back(name);
+    return names;
 }
 
 // Reads only new samples, or all of them if an endpoint of this process was added or a pair is
@@ -211,7 +240,8 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
         if (std::ranges::none_of(worlds, [this](const std::string& pattern) {
                 return ::fnmatch(pattern.c_str(), world.c_str(), 0) == 0;
             })) {
-            remember_other_worlds(worlds);
+            const Entity& reader = theirs_write ? publications : subscriptions;
+            remember_other_worlds(worlds, {reader.get(), handle});
             return;
         }
         std::string why;
@@ -240,10 +270,19 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
     }
 }
 
-void PeerWatch::State::remember_other_worlds(const std::vector<std::string>& worlds) {
+void PeerWatch::State::remember_other_worlds(const std::vector<std::string>& worlds,
+                                             const Witness& witness) {
     for (const std::string& name : worlds) {
-        if (other_worlds.size() < kMaxOtherWorlds && is_valid_name(name)) other_worlds.insert(name);
+        if (other_worlds.size() < kMaxOtherWorlds && is_valid_name(name))
+            other_worlds.emplace(name, witness);
     }
+}
+
+// Others of a world may still be there: looking at all again finds them.
+void PeerWatch::State::forget_gone_worlds() {
+    const auto num_gone =
+        std::erase_if(other_worlds, [](const auto& other) { return !is_there(other.second); });
+    if (num_gone > 0) endpoints_changed = true;
 }
 
 // True if a compatible pair is not matched after kMatchTimeout. Its types then differ in their

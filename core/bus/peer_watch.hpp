@@ -52,7 +52,8 @@ public:
     /// reported once; at most 8 per call.
     std::vector<std::string> take_mismatches();
 
-    /// Returns the names of other worlds in this domain, of those found by `take_mismatches`.
+    /// Returns the names of other worlds in this domain that had programs at the last
+    /// `take_mismatches`.
     std::vector<std::string> other_worlds() const;
 
 private:

@@ -286,6 +286,7 @@ TEST_F(ViewerStart, JoinsTheChosenWorldAndComesBackForAnother) {
     const VirtualDisplay::Size size{kSize.width, kSize.height};
     EXPECT_EQ(display_->size_of(kTitle), size);
     EXPECT_TRUE(display_->size_of("viewer-program-test - tester - Atrium"));
+    const fs::path before = file_after("F12", "screenshot in ", {});
     display_->press(kTitle, "BackSpace");
     EXPECT_TRUE(comes_true([&] { return !shows_the_box(); })) << log();
     EXPECT_EQ(display_->size_of(kTitle), size) << "the window stays";
@@ -296,6 +297,8 @@ TEST_F(ViewerStart, JoinsTheChosenWorldAndComesBackForAnother) {
         join();
         return shows_the_box();
     })) << log();
+    // pictures of the world before are kept
+    EXPECT_NE(file_after("F12", "screenshot in ", before), before);
     const Outcome outcome = close();
     EXPECT_EQ(outcome.exit_code, 0) << log();
     EXPECT_THAT(log(), HasSubstr("world_chosen world=viewer-program-test"));

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <system_error>
 #include <utility>
 
 namespace atrium::viewer {
@@ -25,9 +27,16 @@ Expected<void> check_outputs(const ViewerConfig& config) {
     return {};
 }
 
-std::filesystem::path OutputFiles::next_file(const std::string& extension) {
-    return config_.screenshot_dir /
-           fmt::format("atrium-{}-{:03}{}", getpid(), ++num_files_, extension);
+std::filesystem::path OutputFiles::next_file(const std::string& extension) const {
+    // one number per picture and video, also of other worlds that this program showed before
+    static std::atomic<int> num_files = 0;
+    std::filesystem::path file;
+    std::error_code failure;
+    do {
+        file = config_.screenshot_dir /
+               fmt::format("atrium-{}-{:03}{}", getpid(), ++num_files, extension);
+    } while (std::filesystem::exists(file, failure));  // of a program of that number, long ago
+    return file;
 }
 
 Expected<void> OutputFiles::begin_video(const std::filesystem::path& file,

@@ -56,7 +56,7 @@ public:
 private:
     Expected<void> begin_video(const std::filesystem::path& file,
                                const renderer::SceneRenderer& renderer);
-    std::filesystem::path next_file(const std::string& extension);
+    std::filesystem::path next_file(const std::string& extension) const;
 
     Expected<void> close_video();
 
@@ -68,7 +68,6 @@ private:
     std::uint64_t num_dropped_before_ = 0;  // of earlier videos
     app::log::OncePerSecond drops_;
     renderer::RenderedPicture picture_;
-    int num_files_ = 0;
 };
 
 }  // namespace atrium::viewer

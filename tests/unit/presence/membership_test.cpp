@@ -162,11 +162,16 @@ TEST(Membership, AsksForTheWorldThatAMisspeltOneMayMean) {
     BusOptions written = meant;
     written.world.erase(written.world.size() - 2, 1);
     Said said;
-    const auto server = value(join(meant, "server", said));
+    auto server = value(join(meant, "server", said));
     const auto lost = value(join(written, "lab", said));
     EXPECT_TRUE(eventually([&] {
         return lost->place().find("other_worlds=" + meant.world + " did_you_mean=" + meant.world) !=
                std::string::npos;
+    })) << lost->place();
+    // a world that nobody is in any more is not heard
+    server.reset();
+    EXPECT_TRUE(eventually([&] {
+        return lost->place().find("other_worlds=") == std::string::npos;
     })) << lost->place();
 }
 
