@@ -112,18 +112,16 @@ struct Witness {
     dds_instance_handle_t endpoint;
 };
 
+// Reads, does not take. Cyclone lends a reader's samples in one block and fills the whole buffer
+// with it, however many are asked for: each read of a reader needs a buffer of the same size.
 bool is_there(const Witness& witness) {
-    void* sample = nullptr;
-    dds_sample_info_t info;
+    std::vector<void*> samples(static_cast<std::size_t>(kMaxRead), nullptr);
+    std::vector<dds_sample_info_t> infos(static_cast<std::size_t>(kMaxRead));
+    constexpr std::uint32_t kAlive =
+        DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE;
     const int num = dds_read_instance_mask(
-        witness.reader,
-        &sample,
-        &info,
-        1,
-        1,
-        witness.endpoint,
-        DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE);
-    if (num > 0) dds_return_loan(witness.reader, &sample, num);
+        witness.reader, samples.data(), infos.data(), kMaxRead, kMaxRead, witness.endpoint, kAlive);
+    if (num > 0) dds_return_loan(witness.reader, samples.data(), num);
     return num > 0;
 }
 
