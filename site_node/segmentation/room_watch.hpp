@@ -17,7 +17,7 @@ namespace atrium::segmentation {
 /// Watches whether the learned room contains a person: somebody who stood there while it was
 /// learned leaves a ghost, foreground that stays at its place and whose outline has its edge in the
 /// learned room instead of the picture. Somebody who never leaves goes unnoticed. Also watches
-/// whether the room has the light of the pictures.
+/// whether the room has the light and the view of the pictures.
 ///
 /// Looks at few pictures, some at the start and then rarely: it costs about as much as segmenting a
 /// picture. Not thread-safe.
@@ -39,8 +39,8 @@ public:
                               const BackgroundStatistics& room,
                               const image::Mask& mask);
 
-    /// Returns what is wrong with the light of the room (room_light.hpp) once kOtherLight looks in
-    /// a row have said so; once. `luma`: the model's current means [1/256].
+    /// Returns what is wrong with the light or view of the room (room_light.hpp) once kOtherLight
+    /// looks in a row have said so; once. `luma`: the model's current means [1/256].
     std::optional<std::string> look_at_light(const image::YuvView& picture,
                                              std::span<const std::uint16_t> luma);
 

@@ -56,8 +56,7 @@ void SilhouetteStage::watch_room(const PictureSilhouette& found) {
     if (const auto light = watch_.look_at_light(found.picture, segmenter_.model().luma)) {
         app::log::warn(
             "camera '{}': the learned empty room {}: people cannot be told from it reliably; film "
-            "the empty "
-            "room again with the light and the exposure of now, or learn it from people: "
+            "it again with the camera, the light and the exposure of now, or learn it from people: "
             "--learn-background --segmentation.background_from people (docs/backgrounds.md)",
             name_,
             *light);
