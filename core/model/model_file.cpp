@@ -25,11 +25,6 @@ namespace {
 constexpr std::array<std::string_view, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
 constexpr int kMaxDepth = 100;  // nesting of nodes
 
-bool is_gltf(const std::filesystem::path& file) {
-    const std::string ending = ending_of(file);
-    return ending == ".gltf" || ending == ".glb";
-}
-
 Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
     Eigen::Matrix4d transform;
     transform << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2,
@@ -204,6 +199,11 @@ std::string ending_of(const std::filesystem::path& file) {
         return static_cast<char>(std::tolower(c));
     });
     return ending;
+}
+
+bool is_gltf(const std::filesystem::path& file) {
+    const std::string ending = ending_of(file);
+    return ending == ".gltf" || ending == ".glb";
 }
 
 std::string own_texture_of(const std::vector<ModelPart>& parts) {

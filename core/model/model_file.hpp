@@ -44,6 +44,8 @@ std::vector<Eigen::Vector3d> colours_of(const std::vector<ModelPart>& parts);
 
 /// The suffix of the file's name in lower case: ".obj".
 std::string ending_of(const std::filesystem::path& file);
+/// Whether the ending is that of glTF, whose +Y is up. `load_model` turns it.
+bool is_gltf(const std::filesystem::path& file);
 /// True if `load_model` supports the suffix of the file's name.
 bool is_model_name(const std::filesystem::path& file);
 /// The supported suffixes, for messages: ".obj, .ply, ...".

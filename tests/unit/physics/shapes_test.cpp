@@ -57,6 +57,25 @@ TEST(ConvexHull, OfAFineSphereHasFewVerticesAndNearlyItsVolume) {
     EXPECT_GT(geometry::volume_m3(hull), 0.88 * 4.0 / 3.0 * EIGEN_PI * 1e-3);
 }
 
+TEST(ConvexHull, KeepsItsExtentsWithFewVertices) {
+    for (unsigned seed = 1; seed <= 30; ++seed) {
+        std::mt19937 random(seed);
+        std::normal_distribution<double> normal;
+        std::vector<Eigen::Vector3d> points;
+        geometry::Aabb box;
+        for (int i = 0; i < 2000; ++i) {
+            const Eigen::Vector3d direction =
+                Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+            points.emplace_back(direction.cwiseProduct(Eigen::Vector3d(0.1, 0.2, 0.3)));
+            box.add(points.back());
+        }
+        const geometry::TriangleMesh hull = convex_hull(points, kMaxHullVertices);
+        ASSERT_LE(hull.vertices.size(), kMaxHullVertices);
+        EXPECT_EQ(geometry::bounds(hull).min, box.min) << "seed " << seed;
+        EXPECT_EQ(geometry::bounds(hull).max, box.max) << "seed " << seed;
+    }
+}
+
 TEST(ConvexHull, OfFlatPointsIsEmpty) {
     EXPECT_TRUE(convex_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, 64).empty());
     EXPECT_TRUE(convex_hull({{0, 0, 0}, {1, 0, 0}}, 64).empty());

@@ -59,11 +59,19 @@ Eigen::Vector3d spread_direction(std::size_t index, std::size_t num) {
     return {radius * std::cos(turn), radius * std::sin(turn), z};
 }
 
+// Both directions of each axis first: the hull keeps its extents and the height at which it rests.
+Eigen::Vector3d cut_direction(std::size_t index, std::size_t num) {
+    constexpr std::size_t kAlongAxes = 6;
+    if (index >= kAlongAxes) return spread_direction(index - kAlongAxes, num - kAlongAxes);
+    const auto axis = static_cast<Eigen::Index>(index / 2);
+    return (index % 2 == 0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(axis);
+}
+
 std::vector<Eigen::Vector3d> furthest_out(const std::vector<Eigen::Vector3d>& points,
                                           std::size_t num_directions) {
     std::set<std::size_t> kept;
     for (std::size_t d = 0; d < num_directions; ++d) {
-        const Eigen::Vector3d direction = spread_direction(d, num_directions);
+        const Eigen::Vector3d direction = cut_direction(d, num_directions);
         std::size_t best = 0;
         for (std::size_t i = 1; i < points.size(); ++i) {
             if (direction.dot(points[i]) > direction.dot(points[best])) best = i;

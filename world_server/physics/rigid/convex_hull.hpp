@@ -12,8 +12,9 @@ namespace atrium::physics {
 /// Computes the convex hull of points as a closed mesh. Its vertices are some of the points.
 ///
 /// If the hull has more than `max_vertices` vertices (`max_vertices` >= 8), the result is the hull
-/// of the points that lie furthest out in `max_vertices` evenly spread directions. Empty if the
-/// points span a volume of less than 1e-9 m^3.
+/// of the points that lie furthest out in `max_vertices` directions: both of each axis, so that its
+/// extents are those of the points, and others evenly spread. Empty if the points span a volume of
+/// less than 1e-9 m^3.
 geometry::TriangleMesh convex_hull(const std::vector<Eigen::Vector3d>& points,
                                    std::size_t max_vertices);
 
