@@ -116,7 +116,7 @@ struct Scenery {
     std::string model;  // model, model_scale, texture, colour: as in SceneObject
     double model_scale = 1.0;
     std::string texture;
-    Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // if the model has none
+    Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // of parts without one
     geometry::RigidTransform world_from_model;
 };
 

@@ -69,8 +69,8 @@ ModelLibrary::Model ModelLibrary::make(const std::vector<model::ModelPart>& part
         renderer::ShapeMesh mesh;
         append(part, is_painted(part), mesh);
         append(part, is_any_painted, whole);
-        model.parts.push_back(
-            {std::make_shared<const renderer::ShapeMesh>(std::move(mesh)), part.colour});
+        model.parts.push_back({std::make_shared<const renderer::ShapeMesh>(std::move(mesh)),
+                               part.has_colour ? std::optional(part.colour) : std::nullopt});
     }
     model.whole = std::make_shared<const renderer::ShapeMesh>(std::move(whole));
     return model;
@@ -127,7 +127,7 @@ std::vector<renderer::ObjectLook> ModelLibrary::look_of(const bus::Scenery& scen
     std::vector<renderer::ObjectLook> looks;
     for (const Part& part : model(scenery.model, scenery.model_scale).parts) {
         looks.push_back({.model = part.mesh,
-                         .colour = part.colour,
+                         .colour = part.colour.value_or(scenery.colour),
                          .texture = scenery.texture,
                          .world_from_object = scenery.world_from_model});
     }

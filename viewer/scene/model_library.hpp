@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -26,7 +27,8 @@ public:
     /// Look of an object: the whole model in the object's colour or those of its vertices, or a box
     /// of the object's size.
     renderer::ObjectLook look_of(const bus::SceneObject& object, renderer::ShapeKind shape);
-    /// Looks of scenery: one per part of the model, in the model's colours, or a box of 1 m.
+    /// Looks of scenery: one per part of the model, in the part's colour or, if its file states
+    /// none, the scenery's; or a box of 1 m.
     std::vector<renderer::ObjectLook> look_of(const bus::Scenery& scenery);
     /// The whole model, if it is loaded; else null.
     std::shared_ptr<const renderer::ShapeMesh> loaded(const std::string& file, double scale) const;
@@ -47,7 +49,7 @@ private:
     using Key = std::pair<std::string, double>;  // file, scale
     struct Part {
         std::shared_ptr<const renderer::ShapeMesh> mesh;  // in the model's frame [m]
-        Eigen::Vector3d colour;                           // linear RGB
+        std::optional<Eigen::Vector3d> colour;            // linear RGB, if the file states one
     };
     struct Model {
         std::vector<Part> parts;

@@ -48,7 +48,6 @@ std::string rgb(const Eigen::Vector3d& colour) {
     return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", colour.x(), colour.y(), colour.z());
 }
 
-// Scenery is drawn in the colours of its file.
 void doubt_colours(const WorldDescription& world, std::vector<std::string>& lines) {
     constexpr double kVisible = 0.02;
     std::set<std::string> known;  // models
@@ -88,6 +87,15 @@ void doubt_colours(const WorldDescription& world, std::vector<std::string>& line
     }
     for (const WorldSoftObject& soft : world.soft)
         look_at(soft.name, soft.model, soft.own_texture, soft.own_colours, soft.colour);
+    for (const WorldScenery& scenery : world.scenery) {
+        if (!scenery.is_colour_unused || !scenery.look.texture.empty()) continue;
+        lines.push_back(
+            fmt::format("colour_not_drawn model={} name={} reason=\"each part of its file has a "
+                        "colour of its own\" advice=\"remove colour, which scenery takes where its "
+                        "file has none, or change the file\"",
+                        scenery.look.model,
+                        scenery.name));
+    }
 }
 
 void doubt_gravity(const WorldDescription& world, std::vector<std::string>& lines) {

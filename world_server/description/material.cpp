@@ -34,7 +34,7 @@ Materials read_materials(config::TableReader& reader) {
         Material material;
         if (table.has("density_kg_per_m3")) {
             double density = 0.0;
-            table.read("density_kg_per_m3", density, {1.0, 30'000.0});
+            read_density(table, density);
             material.density_kg_per_m3 = density;
         }
         table.read("friction", material.friction, {0.0, 10.0});
@@ -45,6 +45,18 @@ Materials read_materials(config::TableReader& reader) {
         materials[name] = material;
     }
     return materials;
+}
+
+void read_density(config::TableReader& reader, double& density_kg_per_m3) {
+    constexpr double kLeast = 14.0;  // mercury has 13.5 g/cm^3, the lightest foam 15 kg/m^3
+    constexpr double kMost = 30'000.0;
+    reader.read("density_kg_per_m3", density_kg_per_m3);
+    if (density_kg_per_m3 >= kLeast && density_kg_per_m3 <= kMost) return;
+    reader.reject("density_kg_per_m3",
+                  fmt::format("must be {} to {} (water has 1000): multiply g/cm^3 by 1000, and "
+                              "write mass_kg for what is filled with air",
+                              kLeast,
+                              kMost));
 }
 
 Material read_material(config::TableReader& reader, const Materials& materials) {
@@ -74,7 +86,7 @@ void read_mass(config::TableReader& reader,
                         of_zero));
     }
     double density = material.density_kg_per_m3.value_or(0.0);
-    reader.read("density_kg_per_m3", density, {1.0, 30'000.0});
+    read_density(reader, density);
     mass_kg = density * volume_m3;
 }
 

@@ -32,6 +32,9 @@ Materials read_materials(config::TableReader& reader);
 /// Returns the material named by `material` in a table, or the default.
 Material read_material(config::TableReader& reader, const Materials& materials);
 
+/// Reads `density_kg_per_m3`. One in g/cm^3 is out of its range.
+void read_density(config::TableReader& reader, double& density_kg_per_m3);
+
 /// Reads `mass_kg`, or computes the mass of the volume from `density_kg_per_m3` or the material.
 /// One of the three is required. `of_zero` tells in the message about a missing one what a mass of
 /// 0 does.

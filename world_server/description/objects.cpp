@@ -42,6 +42,9 @@ void read_size(config::TableReader& reader, physics::RigidObject& object) {
     }
     double diameter_m = 0.0;
     reader.forbid("radius_m", "write diameter_m, twice the radius");
+    reader.forbid("size_m",
+                  object.shape == ObjectShape::kSphere ? "write diameter_m"
+                                                       : "write diameter_m and height_m");
     reader.require("diameter_m");
     reader.read("diameter_m", diameter_m, kSizeRange);
     object.size_m.setConstant(diameter_m);

@@ -29,7 +29,7 @@ PuppetDescription read_puppet(config::TableReader& reader, const Materials& mate
         puppet.friction = material.friction;
         puppet.density_kg_per_m3 = material.density_kg_per_m3.value_or(puppet.density_kg_per_m3);
     }
-    reader.read("density_kg_per_m3", puppet.density_kg_per_m3, {10.0, 10'000.0});
+    read_density(reader, puppet.density_kg_per_m3);
     reader.read("friction", puppet.friction, {0.0, 10.0});
     reader.read("colour", puppet.colour.data(), 3, {0.0, 1.0});
     reader.read("limb_colour", puppet.limb_colour.data(), 3, {0.0, 1.0});

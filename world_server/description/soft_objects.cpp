@@ -100,23 +100,27 @@ void read_pins(config::TableReader& table,
                const std::string& key,
                std::uint32_t object_id,
                SoftObject& object) {
-    static const std::map<std::string, PinPlace> kPlaces{{"top", PinPlace::kTop},
-                                                         {"bottom", PinPlace::kBottom},
-                                                         {"left", PinPlace::kLeft},
-                                                         {"right", PinPlace::kRight},
-                                                         {"top corners", PinPlace::kTopCorners},
-                                                         {"corners", PinPlace::kCorners},
-                                                         {"start", PinPlace::kLeft},
+    static const std::map<std::string, PinPlace> kOfCloth{{"top", PinPlace::kTop},
+                                                          {"bottom", PinPlace::kBottom},
+                                                          {"left", PinPlace::kLeft},
+                                                          {"right", PinPlace::kRight},
+                                                          {"top corners", PinPlace::kTopCorners},
+                                                          {"corners", PinPlace::kCorners}};
+    static const std::map<std::string, PinPlace> kOfRope{{"start", PinPlace::kLeft},
                                                          {"end", PinPlace::kRight}};
     std::vector<std::string> names;
     table.read(key, names);
+    if (names.empty()) return;
+    const bool is_cloth = object.shape == SoftShape::kCloth;
+    if (!is_cloth && object.shape != SoftShape::kRope)
+        return table.reject(key, "must be left out: only a cloth and a rope can be attached");
     for (const std::string& name : names) {
-        const auto place = kPlaces.find(name);
-        if (place == kPlaces.end()) {
-            table.reject(key,
-                         "must be one of top, bottom, left, right, top corners, corners (a cloth), "
-                         "start, end (a rope)");
-            return;
+        const auto place = (is_cloth ? kOfCloth : kOfRope).find(name);
+        if (place == (is_cloth ? kOfCloth : kOfRope).end()) {
+            return table.reject(
+                key,
+                is_cloth ? "must be of top, bottom, left, right, top corners, corners for a cloth"
+                         : "must be of start, end for a rope");
         }
         object.pins.push_back({.place = place->second, .object_id = object_id});
     }

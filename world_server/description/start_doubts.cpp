@@ -1,5 +1,7 @@
 #include "world_server/description/start_doubts.hpp"
 
+#include "core/geometry/roll_pitch_yaw.hpp"
+#include "core/model/model_file.hpp"
 #include "world_server/physics/start_overlap.hpp"
 
 #include <fmt/format.h>
@@ -48,8 +50,19 @@ bool touch(const geometry::Aabb& a, const geometry::Aabb& b) {
     return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
 }
 
-const char* place_of(const WorldObject& object) {
-    return object.look.model.empty() ? "its middle" : "its file's origin";
+// What to do about an object that starts deep in something. `depth_m` tells how deep a pose is.
+template <class Depth>
+std::string cure_of(const WorldObject& object, const Depth& depth_m) {
+    const std::string& model = object.look.model;
+    if (model.empty()) return "move it with position_m, the place of its middle";
+    physics::RigidObject turned = to_rigid(object);
+    geometry::RigidTransform& pose = turned.world_from_object;
+    const bool is_as_in_file = pose.rotation.angularDistance(Eigen::Quaterniond::Identity()) < 1e-6;
+    pose.rotation = geometry::rotation_of_roll_pitch_yaw({90.0, 0.0, 0.0});
+    if (is_as_in_file && !model::is_gltf(model) && depth_m(turned) <= kDeepRigid_m)
+        return "its file may have +Y up: then write roll_pitch_yaw_deg = [90, 0, 0]; else move it "
+               "with position_m, the place of its file's origin";
+    return "move it with position_m, the place of its file's origin";
 }
 
 // A cheap test: most objects are far apart, and the exact one builds collision shapes.
@@ -83,16 +96,19 @@ void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines)
             if ((!is_fixed && !is_before) || !may_overlap(box, other) ||
                 pass_through(world, object.rigid.id, other.rigid.id))
                 continue;
-            const double depth_m = physics::overlap_m(moving, to_rigid(other));
+            const auto depth_of = [&](const physics::RigidObject& pose) {
+                return physics::overlap_m(pose, to_rigid(other));
+            };
+            const double depth_m = depth_of(moving);
             if (depth_m <= kDeepRigid_m) continue;
             lines.push_back(
                 fmt::format("object_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which "
-                            "{}: move it with position_m, the place of {}\"",
+                            "{}: {}\"",
                             object.name,
                             depth_m,
                             other.name,
                             is_fixed ? "is fixed" : "throws both apart",
-                            place_of(object)));
+                            cure_of(object, depth_of)));
             break;
         }
     }
@@ -105,15 +121,18 @@ void doubt_in_scenery(const WorldDescription& world, std::vector<std::string>& l
             if (object.rigid.mass_kg == 0.0 || is_plane(object)) continue;
             const physics::RigidObject moving = to_rigid(object);
             if (!touch(start_box_of(moving), scenery.box)) continue;
-            const double depth_m = physics::overlap_m(moving, scenery.mesh);
+            const auto depth_of = [&](const physics::RigidObject& pose) {
+                return physics::overlap_m(pose, scenery.mesh);
+            };
+            const double depth_m = depth_of(moving);
             if (depth_m <= kDeepRigid_m) continue;
             lines.push_back(
                 fmt::format("object_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which "
-                            "is solid scenery: move it with position_m, the place of {}\"",
+                            "is solid scenery: {}\"",
                             object.name,
                             depth_m,
                             scenery.name,
-                            place_of(object)));
+                            cure_of(object, depth_of)));
         }
     }
 }

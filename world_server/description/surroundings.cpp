@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 
@@ -30,6 +31,11 @@ void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     const auto model = model::load_model(file_of(reader, look.model), look.model_scale);
     if (!model) return reject_model(reader, model.error());
     look.own_texture = model::own_texture_of(*model);
+    const bool has_colours = std::ranges::all_of(*model, [](const model::ModelPart& part) {
+        return part.has_colour || !part.vertex_colours.empty();
+    });
+    scenery.is_colour_unused = has_colours && reader.has("colour");
+    if (has_colours && !scenery.is_colour_unused) look.colour = Look().colour;  // of a material
     for (const model::ModelPart& part : *model) {
         for (const Eigen::Vector3d& vertex : part.mesh.vertices)
             scenery.box.add(scenery.world_from_model * vertex);

@@ -40,6 +40,7 @@ physics::RigidObject to_rigid(const WorldObject& object);
 struct WorldScenery {
     std::string name{};
     Look look{};
+    bool is_colour_unused = false;  // the world file states one, but the model has its own
     geometry::RigidTransform world_from_model{};
     bool is_solid = false;
     double friction = 0.6;

@@ -60,6 +60,9 @@ public:
     }
     void look(const Eigen::Vector3d& colour, const std::string& texture) {
         raw("colour", list(colour));
+        picture(texture);
+    }
+    void picture(const std::string& texture) {
         if (!texture.empty()) name("texture", texture);
     }
     void model(const std::string& file, double scale) {
@@ -223,7 +226,9 @@ void write(const WorldScenery& scenery, std::string& text) {
     table.raw("solid", scenery.is_solid ? "true" : "false");
     table.number("friction", scenery.friction);
     table.number("restitution", scenery.restitution);
-    table.look(scenery.look.colour, scenery.look.texture);
+    // without one, parts for which the file states none have this colour, too
+    if (scenery.look.colour != Look().colour) table.raw("colour", list(scenery.look.colour));
+    table.picture(scenery.look.texture);
 }
 
 void write(const NamedPlacement& site, std::string& text) {

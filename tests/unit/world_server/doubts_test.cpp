@@ -36,6 +36,11 @@ TEST_F(WorldDoubts, NameColoursOfAModelFileThatAreNotDrawn) {
     EXPECT_THAT(doubts(car + "texture = \"own.png\"\n"), IsEmpty());
     EXPECT_THAT(doubts("[[scenery]]\nname = \"s\"\nmodel = \"car.obj\"\n"), IsEmpty())
         << "scenery has the colours of its file";
+    const std::string wall = "[[scenery]]\nname = \"s\"\nmodel = \"car.obj\"\n";
+    EXPECT_THAT(doubts(wall + "colour = [0.1, 0.2, 0.3]\n"),
+                ElementsAre(HasSubstr("colour_not_drawn model=car.obj name=s reason=\"each part of "
+                                      "its file has a colour of its own\"")));
+    EXPECT_THAT(doubts(wall + "material = \"stone\"\n"), IsEmpty()) << "for its friction";
     put("two.mtl", "newmtl red\nKd 0.8 0.1 0.1\nnewmtl green\nKd 0.8 0.1 0.1\n");
     EXPECT_THAT(doubts(car), IsEmpty()) << "one colour is drawn";
     EXPECT_THAT(doubts(car + "material = \"plastic\"\n"),
@@ -44,6 +49,8 @@ TEST_F(WorldDoubts, NameColoursOfAModelFileThatAreNotDrawn) {
                                   HasSubstr("write colour = [0.80, 0.10, 0.10]"))));
     put("two.mtl", "newmtl other\nKd 1 1 1\n");
     EXPECT_THAT(doubts(car), IsEmpty()) << "the file states no colour";
+    put("car.obj", "v 0 0 0\nv 0.9 0 0\nv 0 0.9 0\nv 0 0 0.9\nf 1 3 2\nf 1 2 4\n");
+    EXPECT_THAT(doubts(wall + "colour = [0.1, 0.2, 0.3]\n"), IsEmpty()) << "it is drawn";
 }
 
 // A tetrahedron of two meshes, whose materials have no names. `materials`: of the two, then of the

@@ -41,7 +41,15 @@ TEST(SoftConfig, NamesFileLineAndKeyOfAnError) {
         EXPECT_NE(error.find("w.toml:"), std::string::npos) << error;
         EXPECT_NE(error.find(part), std::string::npos) << error;
     };
-    expect_error(kCloth + "pins = [\"middle\"]\n", "pins");
+    expect_error(kCloth + "pins = [\"middle\"]\n", "must be of top, bottom, left, right");
+    expect_error(kCloth + "pins = [\"start\"]\n", "must be of top, bottom, left, right");
+    const std::string rope =
+        "[[soft]]\nname = \"r\"\nshape = \"rope\"\nlength_m = 1\nmass_kg = 0.2\n";
+    expect_error(rope + "pins = [\"top\"]\n", "pins: must be of start, end for a rope");
+    expect_error(
+        "[[soft]]\nname = \"b\"\nshape = \"ball\"\ndiameter_m = 0.3\nmass_kg = 1\n"
+        "pins = [\"top\"]\n",
+        "pins: must be left out: only a cloth and a rope can be attached");
     expect_error(kCloth + "spacing_m = 0.01\n", "spacing_m");
     expect_error(kCloth + "stiffness = 2.0\n", "stiffness");
     expect_error(kCloth + "tied_to = \"nobody\"\ntied = [\"top\"]\n", "tied_to");

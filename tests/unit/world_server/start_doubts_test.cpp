@@ -31,6 +31,28 @@ TEST_F(WorldDoubts, NameAnObjectThatStartsInsideAFixedOne) {
                 ElementsAre(HasSubstr("object_looks_wrong name=b")));
 }
 
+TEST_F(WorldDoubts, NameAModelThatLiesOnItsSideInTheFloor) {
+    // a flat board, 4 cm high along +Y, at z = 0.03
+    put("board.obj",
+        "v -0.5 0 -0.3\nv 0.5 0 -0.3\nv 0.5 0 0.3\nv -0.5 0 0.3\n"
+        "v -0.5 0.04 -0.3\nv 0.5 0.04 -0.3\nv 0.5 0.04 0.3\nv -0.5 0.04 0.3\n"
+        "f 1 2 3 4\nf 5 8 7 6\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n");
+    const std::string board =
+        std::string(kFloor) +
+        "[[object]]\nname = \"board\"\nshape = \"convex\"\nmodel = \"board.obj\"\nmass_kg = 5\n";
+    EXPECT_THAT(
+        doubts(board + "position_m = [0, 0, 0.03]\n"),
+        ElementsAre(AllOf(HasSubstr("starts 0.27 m inside floor"),
+                          HasSubstr("its file may have +Y up: then write roll_pitch_yaw_deg = "
+                                    "[90, 0, 0]"))));
+    EXPECT_THAT(doubts(board + "position_m = [0, 0, 0.03]\nroll_pitch_yaw_deg = [90, 0, 0]\n"),
+                IsEmpty());
+    EXPECT_THAT(doubts(board + "position_m = [0, 0, -0.5]\n"),
+                ElementsAre(HasSubstr("which is fixed: move it with position_m, the place of its "
+                                      "file's origin")))
+        << "turning it does not help";
+}
+
 TEST_F(WorldDoubts, NameMovingObjectsThatStartInsideEachOther) {
     const std::string a = box("a", 1, "position_m = [0, 0, 1]");
     EXPECT_THAT(doubts(a + box("b", 1, "position_m = [0.36, 0, 1]")), IsEmpty());

@@ -140,5 +140,24 @@ TEST_F(ModelLibraryTest, GivesSceneryThePartsOfItsModel) {
     EXPECT_FALSE(box[0].model);
 }
 
+TEST_F(ModelLibraryTest, ColoursSceneryForWhichTheFileStatesNoColour) {
+    std::ofstream(root_ / "models" / "red.mtl") << "newmtl red\nKd 0.8 0.1 0.1\n";
+    std::ofstream(root_ / "models" / "red.obj")
+        << "mtllib red.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+           "o red\nusemtl red\nf 1 2 4\nf 1 4 3\n";
+    std::ofstream(root_ / "models" / "bare.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\n";
+    bus::Scenery scenery;
+    scenery.name = "quay";
+    scenery.colour = {0.1, 0.2, 0.3};
+    for (const auto& [file, colour] : {std::pair("red.obj", Eigen::Vector3d(0.8, 0.1, 0.1)),
+                                       std::pair("bare.obj", Eigen::Vector3d(0.1, 0.2, 0.3))}) {
+        scenery.model = file;
+        const auto looks = look_in_the_end(scenery);
+        ASSERT_EQ(looks.size(), 1U);
+        ASSERT_TRUE(looks[0].model);
+        EXPECT_TRUE(looks[0].colour.isApprox(colour, 1e-6)) << looks[0].colour.transpose();
+    }
+}
+
 }  // namespace
 }  // namespace atrium::viewer
