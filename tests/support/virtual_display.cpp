@@ -226,10 +226,13 @@ void VirtualDisplay::resize(const std::string& title, const Size& size) {
                       static_cast<unsigned>(size[1]));
 }
 
-void VirtualDisplay::press(const std::string& title, const std::string& key, bool with_control) {
+void VirtualDisplay::hold_key(const std::string& title,
+                              const std::string& key,
+                              bool is_down,
+                              bool with_control) {
     const KeySym symbol = XStringToKeysym(key.c_str());
     XEvent event{};
-    event.xkey.type = KeyPress;
+    event.xkey.type = is_down ? KeyPress : KeyRelease;
     event.xkey.root = DefaultRootWindow(impl_->display);
     event.xkey.time = CurrentTime;
     event.xkey.same_screen = True;
@@ -237,9 +240,6 @@ void VirtualDisplay::press(const std::string& title, const std::string& key, boo
     event.xkey.keycode = code;
     const bool is_shifted = XkbKeycodeToKeysym(impl_->display, code, 0, 0) != symbol;
     event.xkey.state = (is_shifted ? ShiftMask : 0U) | (with_control ? ControlMask : 0U);
-    impl_->send(title, event);
-    // a held key sends no second press
-    event.xkey.type = KeyRelease;
     impl_->send(title, event);
 }
 

@@ -37,6 +37,11 @@ public:
     void press_with_control(const std::string& title, const std::string& key) {
         press(title, key, true);
     }
+    /// Presses a key without letting it go, or lets it go. `with_control`: as Ctrl is held.
+    void hold_key(const std::string& title,
+                  const std::string& key,
+                  bool is_down,
+                  bool with_control = false);
     /// Moves the mouse there, from the window's upper left corner.
     void point_at(const std::string& title, int x, int y);
     /// Presses the left button at the mouse, or releases it.
@@ -46,7 +51,10 @@ public:
     void ask_to_close(const std::string& title);
 
 private:
-    void press(const std::string& title, const std::string& key, bool with_control);
+    void press(const std::string& title, const std::string& key, bool with_control) {
+        hold_key(title, key, true, with_control);
+        hold_key(title, key, false, with_control);  // a held key sends no second press
+    }
 
     struct Impl;
     explicit VirtualDisplay(std::unique_ptr<Impl> impl);

@@ -1,6 +1,7 @@
 #include "viewer/control/edit_history.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>
@@ -27,6 +28,24 @@ const char* done_word(bus::EditKind kind) {
         default:
             return "changed";
     }
+}
+
+// What differs, as it is now: "3 kg, friction 0.5".
+std::string new_values(const bus::SceneObject& before, const bus::SceneObject& now) {
+    std::vector<std::string> values;
+    if (now.mass_kg != before.mass_kg)
+        values.push_back(now.mass_kg == 0.0 ? "fixed" : fmt::format("{:.3g} kg", now.mass_kg));
+    if (now.friction != before.friction)
+        values.push_back(fmt::format("friction {:.3g}", now.friction));
+    if (now.restitution != before.restitution)
+        values.push_back(fmt::format("bounce {:.3g}", now.restitution));
+    if (now.colour != before.colour) values.emplace_back("its colour");
+    if (now.texture != before.texture) values.emplace_back("its texture");
+    if (now.size_m != before.size_m) {
+        values.push_back(fmt::format(
+            "{:.3g} x {:.3g} x {:.3g} m", now.size_m.x(), now.size_m.y(), now.size_m.z()));
+    }
+    return values.empty() ? "as it was" : fmt::format("{}", fmt::join(values, ", "));
 }
 
 void push_bounded(std::vector<EditHistory::Step>& steps, EditHistory::Step step) {
@@ -154,6 +173,15 @@ std::string EditHistory::text_of(const Pending& pending, const bus::EditResult& 
         return result.is_done
                    ? fmt::format("{} was {}", pending.what, done_word(kind))
                    : fmt::format("{} was not {}: {}", pending.what, done_word(kind), result.text);
+    }
+    if (result.is_done && kind == bus::EditKind::kChange) {
+        const Step& step = *pending.step;
+        const bool is_undo = pending.as == As::kUndo;
+        return fmt::format("{}: {}: {}",
+                           as,
+                           what,
+                           new_values(is_undo ? step.after.object : step.before.object,
+                                      is_undo ? step.before.object : step.after.object));
     }
     return result.is_done ? fmt::format("{}: {}", as, what)
                           : fmt::format("not {}: {}: {}", as, what, result.text);

@@ -1,5 +1,6 @@
 #include "viewer/overlay/edit_shapes.hpp"
 
+#include "viewer/overlay/label_layout.hpp"
 #include "viewer/overlay/text_picture.hpp"
 
 #include <Eigen/Geometry>
@@ -223,6 +224,7 @@ void EditShapes::append_readout(const EditView& edit,
                      edit.handles.metres(EditHandles::kRadius, eye) *
                          eye.view_from_world.row(1).head<3>().transpose();
     label.height = 0.045;
+    keep_in_picture(label, eye);
     labels.push_back(label);
 }
 

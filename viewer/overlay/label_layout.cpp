@@ -60,6 +60,18 @@ std::vector<Eigen::AlignedBox2f> label_boxes(const std::vector<Label>& labels, c
     return boxes;
 }
 
+void keep_in_picture(Label& label, const EyeView& eye) {
+    const auto area = area_of(label, eye);
+    if (!area) return;
+    // as area_of: x to the right and y up from the middle, in heights of the picture
+    const Eigen::Vector2d edge(0.5 * eye.part_px.width / eye.part_px.height, 0.5);
+    Eigen::Vector2d way = (-edge - area->min()).cwiseMax(0.0);
+    way -= (area->max() - edge).cwiseMax(0.0);
+    const double metres = 2.0 * depth_m(label, eye) / eye.clip_from_view(1, 1);
+    label.at_world += metres * (way.x() * eye.view_from_world.row(0).head<3>().transpose() +
+                                way.y() * eye.view_from_world.row(1).head<3>().transpose());
+}
+
 void separate_labels(std::vector<Label>& labels, std::size_t num_kept, const EyeView& eye) {
     std::vector<std::size_t> order(labels.size());
     std::iota(order.begin(), order.end(), std::size_t{0});

@@ -16,6 +16,10 @@ void separate_labels(std::vector<renderer::Label>& labels,
                      std::size_t num_kept,
                      const renderer::EyeView& eye);
 
+/// Moves a label that reaches beyond the eye's picture until all of it is inside, if there is room
+/// and the label is before the eye.
+void keep_in_picture(renderer::Label& label, const renderer::EyeView& eye);
+
 /// What the visible labels cover of the eye's picture, as shares of it, y downwards.
 std::vector<Eigen::AlignedBox2f> label_boxes(const std::vector<renderer::Label>& labels,
                                              const renderer::EyeView& eye);

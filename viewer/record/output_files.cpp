@@ -12,6 +12,16 @@
 #include <utility>
 
 namespace atrium::viewer {
+namespace {
+
+// As the user reads it, who may not know the folder in which the viewer was started.
+std::string shown(const std::filesystem::path& file) {
+    std::error_code failure;
+    const std::filesystem::path whole = std::filesystem::absolute(file, failure);
+    return (failure ? file : whole.lexically_normal()).string();
+}
+
+}  // namespace
 
 Expected<void> check_outputs(const ViewerConfig& config) {
     if (auto named = check_names(config); !named) return named;
@@ -104,17 +114,17 @@ std::optional<double> OutputFiles::video_s() const {
 std::string OutputFiles::toggle_video(const renderer::SceneRenderer& renderer) {
     if (video_) {
         const auto closed = close_video();
-        return closed ? "video in " + video_file_.string() : closed.error().message;
+        return closed ? "video in " + shown(video_file_) : closed.error().message;
     }
     const auto begun = begin_video(next_file(".avi"), renderer);
-    return begun ? "recording into " + video_file_.string() : begun.error().message;
+    return begun ? "recording into " + shown(video_file_) : begun.error().message;
 }
 
 std::string OutputFiles::screenshot(const renderer::SceneRenderer& renderer) {
     renderer.read_pixels(picture_);
     const auto file = next_file(".png");
     const auto written = write_png(file, picture_);
-    return written ? "screenshot in " + file.string() : written.error().message;
+    return written ? "screenshot in " + shown(file) : written.error().message;
 }
 
 Expected<void> OutputFiles::write_output(const renderer::SceneRenderer& renderer) {

@@ -20,8 +20,6 @@ constexpr double kWorldsHeight_px = 240.0;  // at scale 1
 constexpr double kNameWidth_px = 190.0;
 constexpr double kScreenWidth_px = 820.0;
 
-bool is_pressed(ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key)); }
-
 std::string id_of(const bus::BusOptions& world) {
     return fmt::format("{} {} {} {}", world.world, world.domain, world.network, world.peers);
 }

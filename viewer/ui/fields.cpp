@@ -58,18 +58,27 @@ void explain(const char* text) {
 }
 
 // Says near the last field that letters typed into it are no number: while it is typed, and for
-// some seconds after.
-void tell_no_number(const char* title) {
+// some seconds after. The field then keeps its values. `before`: those before this picture.
+void refuse_letters(const char* title,
+                    std::span<float> values,
+                    const std::array<float, 3>& before) {
     auto* typed = static_cast<TypedText*>(ImGui::GetIO().UserData);
-    if (typed == nullptr || typed->is_number) return;
+    if (typed == nullptr) return;
+    if (!typed->has_before && is_number_typed()) {
+        typed->before = before;
+        typed->has_before = true;
+    }
+    if (typed->is_number) return;
     const ImGuiID field = ImGui::GetID(title);
     const double now_s = ImGui::GetTime();
     if (ImGui::IsItemActive() && typed->typed_into == ImGui::GetCurrentContext()->ActiveId) {
         typed->field = field;
         typed->until_s = now_s + kNoNumberShownS;
     }
-    if (typed->field == field && now_s < typed->until_s)
-        tell_beside("not a number: " + typed->typed);
+    if (typed->field != field) return;
+    if (ImGui::IsItemDeactivated() && typed->has_before)
+        std::copy_n(typed->before.begin(), values.size(), values.begin());
+    if (now_s < typed->until_s) tell_beside("not a number: " + typed->typed);
 }
 
 std::string number_text(float value, const NumberRange& range) {
@@ -120,6 +129,8 @@ void name_field(const char* title, std::span<char> name) {
 
 std::string number_field(const char* title, std::span<float> values, const NumberRange& range) {
     const float largest = *std::ranges::max_element(values);
+    std::array<float, 3> before{};
+    std::ranges::copy(values, before.begin());
     const float step =
         range.step_per_px > 0.0f ? range.step_per_px : 0.01f * std::max(largest, kLeastDragged);
     if (values.size() == 1)
@@ -134,7 +145,7 @@ std::string number_field(const char* title, std::span<float> values, const Numbe
                            &range.most,
                            range.format);
     explain("drag it; a click, a double click or Ctrl+click types a number");
-    tell_no_number(title);
+    refuse_letters(title, values, before);
     if (ImGui::IsItemActive()) return {};
     std::string problem;
     for (float& value : values) {
@@ -165,6 +176,10 @@ void take_typed_letters() {
     if (typed != nullptr && typed->typed_into != context.ActiveId) {
         *typed = {};  // the user types another number, or anew
         typed->typed_into = context.ActiveId;
+    }
+    if (typed != nullptr && (is_pressed(ImGuiKey_Backspace) || is_pressed(ImGuiKey_Delete))) {
+        typed->typed.clear();  // the user corrects it
+        typed->is_number = true;
     }
     for (ImWchar& character : ImGui::GetIO().InputQueueCharacters) {
         if (typed != nullptr && character >= ' ' && character < 127) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <span>
 #include <string>
 
@@ -42,13 +43,15 @@ std::string number_field(const char* title, std::span<float> values, const Numbe
 /// at once.
 bool is_number_typed();
 
-/// What was typed into a number field and is no number. ImGui drops these letters; the window keeps
-/// them as ImGui's UserData.
+/// What was typed into a number field and is no number. ImGui drops these letters and would take
+/// the rest, "12" of "12x"; the window keeps them as ImGui's UserData, and the field its value.
 struct TypedText {
     unsigned typed_into = 0;  // ImGui's id of the number that is typed; 0: none
     std::string typed;        // all that was typed into it
     bool is_number = true;
-    unsigned field = 0;  // that shows `typed` as no number; 0: none
+    unsigned field = 0;             // that shows `typed` as no number; 0: none
+    std::array<float, 3> before{};  // values of the field when the user began
+    bool has_before = false;
     double until_s = 0.0;
 };
 

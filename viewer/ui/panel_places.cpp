@@ -19,9 +19,12 @@ PanelWish PanelPlaces::wish_of(const PanelAsk& ask) {
     const ImVec2 padding = ImGui::GetStyle().WindowPadding;
     Width& width = widths_[ask.name];
     const float measured = most.x - content.CursorStartPos.x + 2.0f * padding.x;
-    if (width.is_long != ask.is_long) width = {.is_long = ask.is_long};
+    if (width.is_long != ask.is_long) width = {.is_long = ask.is_long, .num_settling = 2};
     // a panel that is cut breaks its lines earlier, and would never be wide again
-    width.wanted = ask.width_px > 0.0f ? ask.width_px : std::max(width.wanted, measured);
+    const bool is_settling = width.num_settling > 0 && width.num_settling-- > 0;
+    width.wanted = ask.width_px > 0.0f ? ask.width_px
+                   : is_settling       ? measured
+                                       : std::max(width.wanted, measured);
     return {ask.corner, width.wanted, most.y - content.CursorStartPos.y + 2.0f * padding.y};
 }
 

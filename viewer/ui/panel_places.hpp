@@ -40,6 +40,7 @@ private:
         float given = 0.0f;
         bool scrolls = false;
         bool is_long = false;
+        int num_settling = 0;  // pictures until the panel has the width of its new form
     };
     std::map<std::string, Width> widths_;
     std::vector<PanelBox> boxes_;

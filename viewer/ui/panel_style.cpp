@@ -78,6 +78,8 @@ bool is_panel_at(float x, float y) {
     });
 }
 
+bool is_pressed(int key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key)); }
+
 bool is_popup_open() {
     return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
 }

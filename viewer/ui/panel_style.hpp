@@ -15,6 +15,9 @@ inline const ImVec4 kWarningColour{1.0f, 0.75f, 0.3f, 1.0f};
 /// Distance of panels from each other and from the edges of the picture [px].
 float panel_margin();
 
+/// Whether a key (ImGuiKey) goes down, or repeats, in this picture.
+bool is_pressed(int key);
+
 /// Whether a panel that takes the mouse lies there [px]. ImGui itself knows it one picture later.
 bool is_panel_at(float x, float y);
 

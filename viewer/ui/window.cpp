@@ -21,6 +21,7 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -44,8 +45,10 @@ public:
           wanted_ui_scale_(options.ui_scale) {
         glfwSetWindowUserPointer(window_, this);
         glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
-            if (action != GLFW_PRESS) return;
             auto& self = *static_cast<Window*>(glfwGetWindowUserPointer(w));
+            if (action == GLFW_RELEASE) self.in_chords_.erase(key);
+            if (action != GLFW_PRESS) return;
+            if ((modifiers & GLFW_MOD_CONTROL) != 0) self.in_chords_.insert(key);
             self.taps_.pressed(key);
             const bool is_letter_meant = self.is_dragging_ || (modifiers & GLFW_MOD_CONTROL) != 0;
             if (is_letter_meant) key = key_of_letter(key);
@@ -197,6 +200,8 @@ private:
         if (character == '?' && !is_layout_only_ && !are_keys_taken()) panels_.toggle_keys();
     }
     bool is_down(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
+    // Ctrl+D, of which Ctrl was let go first, is no D.
+    bool flies(int key) const { return is_down(key) && !in_chords_.contains(key); }
 
     void read_mouse() {
         Eigen::Vector2d at = Eigen::Vector2d::Zero();
@@ -234,7 +239,7 @@ private:
         if (are_keys_taken()) return;
         if (is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL)) return;
         const auto axis = [this](int plus, int minus) {
-            return static_cast<double>(is_down(plus)) - static_cast<double>(is_down(minus));
+            return static_cast<double>(flies(plus)) - static_cast<double>(flies(minus));
         };
         events_.motion.fly = {axis(GLFW_KEY_D, GLFW_KEY_A),
                               axis(GLFW_KEY_W, GLFW_KEY_S),
@@ -250,6 +255,7 @@ private:
     TypedText typed_;
     bool is_dragging_ = false;  // a handle, in the last picture
     TappedKeys taps_;
+    std::set<int> in_chords_;  // keys that are down since they were pressed with Ctrl
     bool walks_ = false;
     FullScreen full_screen_;
     SurfaceEvents events_;

@@ -56,7 +56,7 @@ TEST(EditHistory, UndoesInReverseOrderWithTheNewestRevision) {
     EXPECT_EQ(undo->revision, 2U);
     EXPECT_FALSE(history.next(kBegin, texts)) << "one at a time";
     EXPECT_THAT(history.take({answer(*undo, 3, 7)}, true, kBegin),
-                ElementsAre("undone: changed ball"));
+                ElementsAre("undone: changed ball: 2 kg"));
     const auto undo_first = history.next(kBegin, texts);
     ASSERT_TRUE(undo_first);
     EXPECT_EQ(undo_first->object.mass_kg, 1.0);

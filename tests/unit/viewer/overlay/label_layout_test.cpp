@@ -46,6 +46,28 @@ TEST(LabelLayout, LeavesLabelsThatDoNotTouch) {
     for (const Label& label : labels) EXPECT_EQ(label.raised, 0.0);
 }
 
+TEST(LabelLayout, KeepsALabelInThePicture) {
+    test::Random random(5);
+    for (int i = 0; i < 200; ++i) {
+        const Label there = label_at({test::between(random, -3.0, 3.0),
+                                      test::between(random, -2.0, 2.0),
+                                      test::between(random, -1.0, 3.0)});
+        Label label = there;
+        keep_in_picture(label, kLabelEye);
+        const Edges before = edges_of(there);
+        const Edges after = edges_of(label);
+        constexpr double kEdge = 0.5 * 1280.0 / 720.0;
+        constexpr double kBorder = 0.1 * 0.04 + 1e-9;  // without letters
+        EXPECT_GE(after.low, -0.5 - kBorder);
+        EXPECT_LE(after.high, 0.5 + kBorder);
+        EXPECT_GE(after.left, -kEdge - kBorder);
+        EXPECT_LE(after.right, kEdge + kBorder);
+        const bool was_inside =
+            before.low > -0.5 && before.high < 0.5 && before.left > -kEdge && before.right < kEdge;
+        EXPECT_TRUE(!was_inside || label.at_world == there.at_world);
+    }
+}
+
 TEST(LabelLayout, StacksLabelsOfOnePlaceAndDropsWhatHasNoRoom) {
     std::vector<Label> labels(9, label_at({0, 0, 1}));
     separate_labels(labels, 0, kLabelEye);

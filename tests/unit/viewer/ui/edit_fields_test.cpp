@@ -125,6 +125,16 @@ TEST_F(ObjectPanel, SaysThatLettersAreNoNumber) {
     EXPECT_EQ(tooltip(), nullptr) << "a number takes it back";
 }
 
+TEST_F(ObjectPanel, KeepsItsNumberIfLettersAreTyped) {
+    click_field(id_of("edit", "mass"));
+    EXPECT_FALSE(type({"1", "2", "x", "Return"}).edit.change) << "12x is not 12";
+    for (int i = 0; i < 5; ++i) EXPECT_FALSE(draw().edit.change);
+    click_field(id_of("edit", "mass"));
+    const SurfaceEvents events = type({"1", "x", "BackSpace", "1", "2", "Return"});
+    ASSERT_TRUE(events.edit.change) << "corrected";
+    EXPECT_EQ(events.edit.change->mass_kg, 12.0);
+}
+
 TEST_F(ObjectPanel, ExplainsAFieldBesideThePanel) {
     ASSERT_TRUE(point_at_field(id_of("edit", "mass"), kColumn_px));
     EXPECT_TRUE(comes_true([&] {

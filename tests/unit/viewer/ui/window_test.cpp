@@ -207,6 +207,34 @@ TEST_F(ViewerWindow, HidesSitesFromTheirListByMouseAndKeys) {
     for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().close) << "Escape closes the list first";
 }
 
+TEST_F(ViewerWindow, AKeyOfAShortcutDoesNotMoveTheView) {
+    const auto flies = [&] { return draw().motion.fly.x() > 0.0; };
+    display_->hold_key(kTitle, "d", true, true);  // Ctrl is let go before D
+    ASSERT_TRUE(comes_true([&] { return draw().edit.duplicate; }));
+    for (int i = 0; i < 10; ++i) EXPECT_FALSE(flies());
+    display_->hold_key(kTitle, "d", false);
+    display_->hold_key(kTitle, "d", true);
+    EXPECT_TRUE(comes_true(flies));
+    display_->hold_key(kTitle, "d", false);
+}
+
+TEST_F(ViewerWindow, ThePanelOfFiguresIsNarrowAgainWithoutDetails) {
+    const auto width = [&] {
+        for (int i = 0; i < 5; ++i) draw();
+        const ImGuiWindow* panel = ImGui::FindWindowByName("figures");
+        return panel == nullptr ? 0.0f : panel->Size.x;
+    };
+    figures_.sites.resize(1);
+    figures_.sites[0].name = "alice";
+    const float narrow = width();
+    display_->press(kTitle, "t");
+    float wide = 0.0f;
+    ASSERT_TRUE(comes_true([&] { return (wide = width()) > narrow; }));
+    display_->press(kTitle, "t");
+    EXPECT_TRUE(comes_true([&] { return width() < wide; }));
+    EXPECT_EQ(width(), narrow);
+}
+
 // The list of all keys is in the middle of the picture.
 TEST_F(ViewerWindow, ListsItsKeysOnRequest) {
     const auto shows_list = [&] {
