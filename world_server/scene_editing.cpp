@@ -3,6 +3,7 @@
 #include "world_server/scene_messages.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>
@@ -14,6 +15,12 @@ constexpr std::size_t kMaxRemoved = 256;  // removed objects that can be brought
 
 tl::unexpected<Error> refuse_edit(std::string why) {
     return make_error(ErrorKind::kInvalidData, std::move(why));
+}
+
+std::string outside(const geometry::Aabb& box) {
+    return fmt::format("the place is outside the world, which reaches from [{:.4g}] to [{:.4g}] m",
+                       fmt::join(box.min, ", "),
+                       fmt::join(box.max, ", "));
 }
 
 bool is_simple(bus::Shape shape) { return shape < bus::Shape::kConvex; }
@@ -176,7 +183,7 @@ Expected<EditOutcome> Scene::place(const bus::SceneEdit& edit) {
     const geometry::Aabb box = box_of(options_);
     if (!box.contains(edit.world_from_object.translation) ||
         !box.contains(edit.object.world_from_object.translation))
-        return refuse_edit(object.name + ": the place is outside the world");
+        return refuse_edit(outside(box));
     world_->let_go(edit.sender, edit.target);
     world_->place(edit.target, edit.world_from_object);
     const bool is_joined = world_->is_joined(edit.target);
@@ -191,8 +198,9 @@ Expected<EditOutcome> Scene::place(const bus::SceneEdit& edit) {
 
 Expected<EditOutcome> Scene::hold(const bus::SceneEdit& edit) {
     const std::string& name = objects_.at(edit.target).name;
-    if (!box_of(options_).contains(edit.world_from_object.translation))
-        return refuse_edit(name + ": the place is outside the world");
+    const geometry::Aabb box = box_of(options_);
+    if (!box.contains(edit.world_from_object.translation))
+        return refuse_edit(name + ": " + outside(box));
     switch (world_->hold(edit.sender, edit.target, edit.world_from_object)) {
         case physics::HoldResult::kHeld:
             break;
