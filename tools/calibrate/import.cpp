@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cctype>
 #include <functional>
+#include <map>
 #include <string_view>
 
 namespace atrium::calibrate {
@@ -54,18 +55,23 @@ std::vector<std::string> moved(const ForeignRig& rig) {
     return names;
 }
 
-std::vector<std::string> for_markers(const ForeignRig& rig) {
-    std::vector<std::string> names;
+// With their models.
+std::map<std::string, std::string> for_markers(const ForeignRig& rig) {
+    std::map<std::string, std::string> models;
     for (const ForeignCamera& camera : rig.cameras)
-        if (camera.is_for_markers) names.push_back(camera.name);
-    return names;
+        if (camera.is_for_markers) models[camera.name] = camera.model;
+    return models;
 }
 
-void report_markers(ForeignRig& rig, const std::function<bool(const std::string&)>& has_pictures) {
+// Those of `missed` are reported already.
+void report_markers(ForeignRig& rig,
+                    const std::vector<std::string>& missed,
+                    const std::function<bool(const std::string&)>& has_pictures) {
     std::vector<std::string> used;
     std::vector<std::string> unused;
     for (const ForeignCamera& camera : rig.cameras) {
-        if (camera.is_for_markers)
+        const bool is_missed = std::ranges::find(missed, camera.name) != missed.end();
+        if (camera.is_for_markers && !is_missed)
             (has_pictures(camera.name) ? used : unused).push_back(camera.known_name());
     }
     if (!unused.empty()) {
@@ -84,12 +90,10 @@ void report_markers(ForeignRig& rig, const std::function<bool(const std::string&
 
 // Without pictures only the models tell what a camera is for.
 void drop_markers(ForeignRig& rig) {
-    const std::vector<std::string> markers = for_markers(rig);
+    const auto markers = for_markers(rig);
     if (markers.size() == rig.cameras.size()) return;
-    report_markers(rig, [](const std::string& /*name*/) { return false; });
-    keep_cameras(rig, [&](const std::string& name) {
-        return std::ranges::find(markers, name) == markers.end();
-    });
+    report_markers(rig, {}, [](const std::string& /*name*/) { return false; });
+    keep_cameras(rig, [&](const std::string& name) { return !markers.contains(name); });
 }
 
 std::vector<std::string> comments(const ForeignRig& foreign,
@@ -231,6 +235,7 @@ Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
          moved(rig),
          for_markers(rig),
          walked(rig),
+         rig.left_out,
          rig.format == "COLMAP" ? "; if they are cameras of the room, COLMAP did not register "
                                   "them: solve again with more pictures of them"
                                 : "",
@@ -240,7 +245,7 @@ Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
     const auto has_pictures = [&](const std::string& name) {
         return material->frames.contains(name);
     };
-    report_markers(rig, has_pictures);
+    report_markers(rig, material->missing, has_pictures);
     keep_cameras(rig, has_pictures);
     if (auto counted = check_number(rig, options); !counted) return tl::unexpected(counted.error());
     if (auto compared = compare_sizes(rig, *material, options.said); !compared)

@@ -175,6 +175,28 @@ TEST_F(Mistakes, DecimalCommasAreNamed) {
                 AllOf(HasSubstr("cameras.txt:"), HasSubstr("decimals have a point")));
 }
 
+// A camera for markers may have pictures, so its errors are told as well; it is not left out.
+TEST_F(Mistakes, NumbersOfACameraForMarkersAreRead) {
+    std::string good = test::qualisys_xml(cameras_);
+    good.replace(good.find("model=\"Miqus Video\""), 19, "model=\"Oqus 210c\"");
+    const std::size_t x = good.find(" x=\"", good.find("Oqus 210c"));
+    const std::size_t end = good.find('"', x + 4);
+    const auto with_x = [&](const std::string& word) {
+        return std::string(good).replace(x + 4, end - x - 4, word);
+    };
+    EXPECT_THAT(error_of("a.qca.xml", with_x("424,099058")),
+                AllOf(HasSubstr("a.qca.xml: camera 'cam1': <transform> x: '424,099058' is not a "
+                                "number; decimals have a point: 424.099058")));
+    EXPECT_THAT(error_of("b.qca.xml", with_x("12.5mm")),
+                HasSubstr("camera 'cam1': <transform> x: '12.5mm' is not a number; copy"));
+    for (const char* unset : {"nan", "", "-1.#IND", "-nan(ind)"}) {
+        const auto rig = read_foreign({folder_.write("c.qca.xml", with_x(unset))}, "auto");
+        ASSERT_TRUE(rig) << rig.error().message;
+        EXPECT_EQ(rig->cameras.size(), 4U);
+        EXPECT_THAT(rig->left_out.at("cam1"), HasSubstr("<transform> lacks a number x"));
+    }
+}
+
 // As Anipose and FreeMoCap write it: z = 0 would be the height of the lens.
 TEST_F(Mistakes, TheFrameOfALevelCameraHasNoFloor) {
     const auto of_room = conclude_from("a.toml", test::anipose_toml(cameras_, 1000.0));

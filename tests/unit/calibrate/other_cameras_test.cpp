@@ -75,6 +75,16 @@ TEST_F(OtherCameras, OneThatWasCarriedAboutIsLeftOutOfTheRecordingWithItsPicture
     EXPECT_EQ(config::load_rig(options_.output)->cameras.size(), 2U);
 }
 
+TEST_F(OtherCameras, OneThatTheUserLeavesOutHasNoPicturesThatAreMissed) {
+    write_model("phone", 0.2);
+    write_pictures("phone");
+    options_.cameras = {"!phone"};
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    for (const auto& lines : {report->told, report->checks, report->problems})
+        EXPECT_THAT(lines, Not(Contains(HasSubstr("phone"))));
+}
+
 // One picture per camera lies beside the folder of the phone.
 TEST_F(OtherCameras, OneInAFolderBesideLoosePicturesIsLeftOut) {
     write_model("phone", 0.2);
@@ -139,6 +149,8 @@ TEST_F(OtherCameras, UsesCamerasOfAnyModelOfQualisysThatHavePictures) {
     ASSERT_NE(text.find(model), std::string::npos);
     for (std::size_t at = text.find(model); at != std::string::npos; at = text.find(model, at))
         text.replace(at, model.size(), "model=\"Arqus A9\"");
+    const std::size_t third = text.find("model=", text.find("serial=\"cam3\""));
+    text.replace(third, 16, "model=\"Miqus M3\"");
     options_.files = {folder_.write("a.qca.txt", text)};
     for (int camera = 1; camera <= 2; ++camera)
         test::write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 8);
@@ -148,6 +160,83 @@ TEST_F(OtherCameras, UsesCamerasOfAnyModelOfQualisysThatHavePictures) {
                 AllOf(Contains(AllOf(HasSubstr("'cam1', 'cam2' have pictures"))),
                       Contains(AllOf(HasSubstr("markers were left out: 'cam3'")))));
     EXPECT_THAT(report->problems, testing::Not(Contains(HasSubstr("left out"))));
+}
+
+class CamerasOfQualisys : public test::ImportedRecording {
+protected:
+    // The three cameras, of these models.
+    std::string of_models(const std::vector<std::string>& models) const {
+        std::string text = test::qualisys_xml(cameras_);
+        for (std::size_t i = 0; i < models.size(); ++i) {
+            const std::size_t at =
+                text.find("model=", text.find(fmt::format("serial=\"cam{}\"", i + 1)));
+            text.replace(at, text.find('"', at + 7) + 1 - at, "model=\"" + models[i] + "\"");
+        }
+        return text;
+    }
+    ImportReport report_of(const std::string& text) {
+        options_.files = {folder_.write("a.qca.txt", text)};
+        options_.force = true;
+        const auto report = import(options_);
+        EXPECT_TRUE(report) << report.error().message;
+        return report ? *report : ImportReport{};
+    }
+};
+
+TEST_F(CamerasOfQualisys, OfTheModelOfOthersWithPicturesAreMissed) {
+    for (const char* name : {"cam1.avi", "cam2.avi"}) test::write_video(take(name), 64, 48, 8);
+    const ImportReport report = report_of(of_models({"Oqus 210c", "Oqus 210c", "Oqus 210c"}));
+    EXPECT_THAT(report.problems,
+                Contains(AllOf(HasSubstr("has no pictures of 'cam3'"),
+                               HasSubstr("'cam3' is of the same model as 'cam1', 'cam2' (Oqus "
+                                         "210c)"))));
+    EXPECT_THAT(report.told, Not(Contains(HasSubstr("for markers were left out"))));
+}
+
+// Most of that model see markers.
+TEST_F(CamerasOfQualisys, OfTheModelOfFewWithPicturesAreToBeChecked) {
+    cameras_ = [] {
+        atrium::test::Random random(22);
+        return test::random_room(random, 5);
+    }();
+    for (auto& camera : cameras_) {
+        camera.intrinsics.width = 64;
+        camera.intrinsics.height = 48;
+    }
+    for (const char* name : {"cam1.avi", "cam2.avi"}) test::write_video(take(name), 64, 48, 8);
+    const ImportReport report = report_of(of_models(std::vector<std::string>(5, "Oqus 300")));
+    EXPECT_THAT(report.problems, Not(Contains(HasSubstr("left out"))));
+    EXPECT_THAT(report.checks,
+                Contains(HasSubstr("cameras for markers: 'cam3', 'cam4', 'cam5' are of the same "
+                                   "model as 'cam1', 'cam2' (Oqus 300), but have no pictures")));
+}
+
+TEST_F(CamerasOfQualisys, WithAnEmptyRoomAndNoPicturesAreMissed) {
+    for (const char* name : {"cam1.avi", "cam2.avi"}) test::write_video(take(name), 64, 48, 8);
+    test::write_video(take("empty_cam3.avi"), 64, 48, 8);
+    const ImportReport report = report_of(of_models({"Arqus A9", "Arqus A9", "Miqus M3"}));
+    EXPECT_THAT(report.problems,
+                Contains(AllOf(HasSubstr("has no pictures of 'cam3'"),
+                               HasSubstr("of 'cam3' there is an empty room or a mask"))));
+}
+
+TEST_F(CamerasOfQualisys, ThatAreNotActiveButHavePicturesAreAProblem) {
+    std::string text = of_models({});
+    const std::size_t third = text.find("serial=\"cam3\"");
+    text.replace(text.rfind("active=\"1\"", third), 10, "active=\"0\"");
+    for (const char* name : {"cam1.avi", "cam2.avi"}) test::write_video(take(name), 64, 48, 8);
+    EXPECT_THAT(report_of(text).problems, Not(Contains(HasSubstr("cam3"))));
+    test::write_video(take("cam3.avi"), 64, 48, 8);
+    const ImportReport report = report_of(text);
+    EXPECT_THAT(report.problems,
+                Contains(AllOf(HasSubstr("camera 'cam3' left out, although it has pictures "
+                                         "('cam3'): it is not active in QTM's file"),
+                               HasSubstr("--cameras '!cam3'"))));
+    EXPECT_THAT(report.checks, Not(Contains(HasSubstr("cam3"))));
+    options_.cameras = {"!cam3"};
+    const ImportReport without = report_of(text);
+    EXPECT_THAT(without.problems, Not(Contains(HasSubstr("cam3"))));
+    EXPECT_THAT(without.checks, Not(Contains(HasSubstr("cam3"))));
 }
 
 TEST_F(OtherCameras, KnowsCamerasOfColmapByTheFoldersThatDiffer) {

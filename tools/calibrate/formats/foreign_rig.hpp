@@ -3,6 +3,7 @@
 #include "core/geometry/pinhole_camera.hpp"
 #include "tools/calibrate/judge/reading.hpp"
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ struct ForeignCamera {
     double spread = 0.0;          // of their places, as a share of the rig's size
     bool is_for_markers = false;  // by its model; such a camera may still have pictures
     std::string original = {};    // name in the file if `name` is another one, else empty
+    std::string model = {};       // as its maker calls it, for example "Oqus 210c"; or empty
 
     /// The name that the user knows.
     const std::string& known_name() const { return original.empty() ? name : original; }
@@ -49,6 +51,9 @@ struct ForeignRig {
     std::vector<std::string> checks;    // assumptions, with the cure
     std::vector<std::string> problems;  // cameras that are left out, with the cure
     std::vector<Walked> walked = {};    // the same, of cameras that were carried about
+    /// Other cameras of the files that are left out, by name in the file, and why, with the cure.
+    /// Empty: the user wants it so, or `problems` says why.
+    std::map<std::string, std::string> left_out = {};
 };
 
 }  // namespace atrium::calibrate

@@ -151,9 +151,12 @@ Expected<void> select_cameras(ForeignRig& rig, const std::vector<std::string>& p
         return matches_name(is_exclusion(pattern) ? pattern.substr(1) : pattern, name);
     };
     for (const std::string& pattern : patterns) {
-        if (std::ranges::any_of(rig.cameras, [&](const ForeignCamera& camera) {
-                return matches(pattern, camera.name);
-            }))
+        const auto is_camera = [&](const ForeignCamera& camera) {
+            return matches(pattern, camera.name);
+        };
+        const auto is_left_out = [&](const auto& entry) { return matches(pattern, entry.first); };
+        if (std::ranges::any_of(rig.cameras, is_camera) ||
+            std::ranges::any_of(rig.left_out, is_left_out))
             continue;
         constexpr std::size_t kNamed = 12;
         std::vector<std::string> names;
@@ -167,14 +170,19 @@ Expected<void> select_cameras(ForeignRig& rig, const std::vector<std::string>& p
                                       fmt::join(names, ", "),
                                       rig.cameras.size() > kNamed ? ", ..." : ""));
     }
-    keep_cameras(rig, [&](const std::string& name) {
+    const auto is_chosen = [&](const std::string& name) {
         bool is_wanted = std::ranges::all_of(patterns, is_exclusion);
         bool is_excluded = false;
         for (const std::string& pattern : patterns) {
             if (matches(pattern, name)) (is_exclusion(pattern) ? is_excluded : is_wanted) = true;
         }
         return is_wanted && !is_excluded;
-    });
+    };
+    for (auto& [name, reason] : rig.left_out)
+        if (!is_chosen(name)) reason.clear();
+    for (const ForeignCamera& camera : rig.cameras)
+        if (!is_chosen(camera.name)) rig.left_out[camera.name] = "";
+    keep_cameras(rig, is_chosen);
     return {};
 }
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <cmath>
 #include <string_view>
 
@@ -54,6 +55,12 @@ std::optional<Window> window_of(const pugi::xml_node& node, const pugi::xml_node
     return Window{0.0, 0.0, (*last_u + 1.0) / units, (*last_v + 1.0) / units};
 }
 
+// Most cameras of Qualisys see markers only. Some models take pictures without saying so.
+bool is_marker_model(std::string_view model) {
+    return !model.empty() && model != "none" && model.find("Video") == std::string_view::npos &&
+           model.find("Hybrid") == std::string_view::npos;
+}
+
 Expected<void> read_intrinsic(const pugi::xml_node& node,
                               const std::string& where,
                               ForeignCamera& camera,
@@ -92,15 +99,40 @@ Expected<void> read_intrinsic(const pugi::xml_node& node,
     return set_lens(camera, lens, where, notes);
 }
 
+// A typing error or a decimal comma; also of a camera for markers, which may have pictures.
+Expected<void> check_readable_numbers(const pugi::xml_node& node, const std::string& where) {
+    ForeignCamera camera;
+    camera.name = node.attribute("serial").value();
+    const std::array bad{
+        unreadable_number(node.child("fov_video"), {"left", "top", "right", "bottom"}),
+        unreadable_number(
+            node.child("transform"),
+            {"r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33", "x", "y", "z"}),
+        unreadable_number(node.child("intrinsic"),
+                          {"focalLengthU",
+                           "skew",
+                           "centerPointU",
+                           "focalLengthV",
+                           "centerPointV",
+                           "radialDistortion1",
+                           "radialDistortion2",
+                           "radialDistortion3",
+                           "tangentalDistortion1",
+                           "tangentalDistortion2",
+                           "sensorMaxU",
+                           "sensorMaxV"})};
+    for (const std::string& text : bad)
+        if (!text.empty()) return wrong(where, camera, text);
+    return {};
+}
+
 Expected<ForeignCamera> qualisys_camera(const pugi::xml_node& node,
                                         const std::string& where,
                                         std::vector<std::string>& notes) {
     ForeignCamera camera;
     camera.name = node.attribute("serial").value();
-    for (const char* name : {"fov_video", "transform", "intrinsic"}) {
-        if (const std::string bad = comma_in_attributes(node.child(name)); !bad.empty())
-            return wrong(where, camera, bad);
-    }
+    camera.model = node.attribute("model").value();
+    camera.is_for_markers = is_marker_model(camera.model);
     if (auto read = read_intrinsic(node, where, camera, notes); !read)
         return tl::unexpected(read.error());
     const pugi::xml_node transform = node.child("transform");
@@ -124,10 +156,33 @@ bool is_uncalibrated(const pugi::xml_node& node) {
     return std::string_view(node.attribute("calibrated").value()) == "false";
 }
 
-// Most cameras of Qualisys see markers only. Some models take pictures without saying so.
-bool is_marker_model(std::string_view model) {
-    return !model.empty() && model != "none" && model.find("Video") == std::string_view::npos &&
-           model.find("Hybrid") == std::string_view::npos;
+// Adds a camera, or why it is left out.
+Expected<void> add_camera(const pugi::xml_node& node, const std::string& where, ForeignRig& rig) {
+    const std::string name = node.attribute("serial").value();
+    const std::string cure = "calibrate it in QTM";
+    if (std::string_view(node.attribute("active").value()) == "0") {
+        rig.left_out[name] = "it is not active in QTM's file: make it active, and " + cure;
+        return {};
+    }
+    const bool is_for_markers = is_marker_model(node.attribute("model").value());
+    if (is_uncalibrated(node)) {
+        rig.left_out[name] = is_for_markers ? "QTM did not calibrate it: " + cure : "";
+        if (is_for_markers) return {};
+        rig.problems.push_back(
+            fmt::format("camera '{}' is not calibrated (QTM says so): left out; calibrate it in "
+                        "QTM, or go on without it: a hull from fewer cameras is thicker",
+                        name));
+        return {};
+    }
+    if (auto readable = check_readable_numbers(node, where); !readable) return readable;
+    auto camera = qualisys_camera(node, where, rig.notes);
+    if (!camera && !is_for_markers) return tl::unexpected(camera.error());
+    if (camera) {
+        rig.cameras.push_back(std::move(*camera));
+    } else {
+        rig.left_out[name] = camera.error().message + ": " + cure;
+    }
+    return {};
 }
 
 }  // namespace
@@ -138,35 +193,18 @@ Expected<ForeignRig> read_qualisys(const Files& files) {
     rig.documented = {Reading::Pose::kRotationAndPosition, true};
     rig.units = "mm";
     rig.up = "+Z";
-    std::vector<std::string> left_out;
     for (const auto& file : files) {
         pugi::xml_document document;
         if (auto loaded = load_xml(file, document); !loaded) return tl::unexpected(loaded.error());
         for (const pugi::xml_node node :
              document.child("calibration").child("cameras").children("camera")) {
-            if (std::string_view(node.attribute("active").value()) == "0") {
-                left_out.emplace_back(node.attribute("serial").value());
-                continue;
-            }
-            const bool is_for_markers = is_marker_model(node.attribute("model").value());
-            if (is_uncalibrated(node)) {
-                if (is_for_markers) continue;
-                rig.problems.push_back(fmt::format(
-                    "camera '{}' is not calibrated (QTM says so): left out; calibrate it in QTM, "
-                    "or go on without it: a hull from fewer cameras is thicker",
-                    node.attribute("serial").value()));
-                continue;
-            }
-            auto camera = qualisys_camera(node, file.string(), rig.notes);
-            if (!camera && is_for_markers) {
-                left_out.emplace_back(node.attribute("serial").value());
-                continue;
-            }
-            if (!camera) return tl::unexpected(camera.error());
-            camera->is_for_markers = is_for_markers;
-            rig.cameras.push_back(std::move(*camera));
+            if (auto added = add_camera(node, file.string(), rig); !added)
+                return tl::unexpected(added.error());
         }
     }
+    std::vector<std::string> left_out;
+    for (const auto& [name, reason] : rig.left_out)
+        if (!reason.empty()) left_out.push_back(name);
     if (!left_out.empty()) {
         rig.notes.push_back(fmt::format(
             "cameras that are not active, or for markers without a calibration, were left out: {}",

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -76,9 +77,11 @@ Expected<ForeignCamera> vicon_camera(const pugi::xml_node& node,
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("{}: camera '{}': {}", where, camera.name, what));
     };
-    for (const pugi::xml_node& values : {node, frame}) {
-        if (const std::string bad = comma_in_attributes(values); !bad.empty()) return wrong(bad);
-    }
+    const std::array bad{
+        unreadable_number(node, {"SENSOR_SIZE", "PIXEL_ASPECT_RATIO", "SKEW"}),
+        unreadable_number(frame, {"FOCAL_LENGTH", "PRINCIPAL_POINT", "ORIENTATION", "POSITION"})};
+    for (const std::string& text : bad)
+        if (!text.empty()) return wrong(text);
     const auto size = attribute_numbers(node, "SENSOR_SIZE", 2);
     const auto focal = attribute_number(frame, "FOCAL_LENGTH");
     const auto centre = attribute_numbers(frame, "PRINCIPAL_POINT", 2);

@@ -7,9 +7,22 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <sstream>
 #include <string_view>
 
 namespace atrium::calibrate {
+namespace {
+
+// Also nan and inf, and as Windows writes them: "-1.#IND".
+bool is_some_number(std::string_view word) {
+    if (word.find("1.#") != std::string_view::npos) return true;
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double value = 0.0;
+    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return failure != std::errc::invalid_argument && end == word.data() + word.size();
+}
+
+}  // namespace
 
 Expected<void> load_xml(const std::filesystem::path& file, pugi::xml_document& document) {
     const auto text = read_bytes(file, kMaxTextBytes);
@@ -49,12 +62,24 @@ std::optional<double> attribute_number(const pugi::xml_node& node, const char* n
     return values ? std::optional(values->front()) : std::nullopt;
 }
 
-std::string comma_in_attributes(const pugi::xml_node& node) {
+std::string unreadable_number(const pugi::xml_node& node,
+                              std::initializer_list<const char*> names) {
     for (const pugi::xml_attribute& attribute : node.attributes()) {
         const std::string word = decimal_comma(attribute.value());
         if (!word.empty())
             return fmt::format(
                 "<{}> {}: {}", node.name(), attribute.name(), comma_is_no_point(word));
+    }
+    for (const char* name : names) {
+        std::istringstream words(node.attribute(name).value());
+        for (std::string word; words >> word;) {
+            if (is_some_number(word)) continue;
+            return fmt::format(
+                "<{}> {}: '{}' is not a number; copy the file again, or export it again",
+                node.name(),
+                name,
+                word);
+        }
     }
     return {};
 }

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,8 +23,10 @@ std::optional<std::vector<double>> attribute_numbers(const pugi::xml_node& node,
 /// The same, of one number.
 std::optional<double> attribute_number(const pugi::xml_node& node, const char* name);
 
-/// The first attribute with a number that has a decimal comma, for messages:
-/// "<transform> r11: '0,98' is not a number; decimals have a point". Empty: there is none.
-std::string comma_in_attributes(const pugi::xml_node& node);
+/// Why an attribute cannot be read, for messages: the first with a decimal comma, else the first of
+/// `names` that is given and not as numbers: "<transform> r11: '0,98' is not a number; decimals
+/// have a point". Empty: there is none. nan and inf are numbers here: programs write them for
+/// cameras that are not calibrated.
+std::string unreadable_number(const pugi::xml_node& node, std::initializer_list<const char*> names);
 
 }  // namespace atrium::calibrate

@@ -88,25 +88,43 @@ std::string Gatherer::cure_of_two() const {
     return fmt::format("choose one recording: --take {}; or {}", listed(names), kCureOfTwo);
 }
 
-// Pictures of a camera that walked about are those of no other one.
-void Gatherer::drop_walked() {
-    for (const std::string& walked : folders_.walked) {
-        const auto is_of_walked = [&](const Shots& shots) {
-            const auto has_name = [&](const std::string& name) {
-                return likeness(name, shots.label, {}) >= kByName;
-            };
-            return has_name(walked) && std::ranges::none_of(cameras_, [&](const auto& camera) {
-                       return has_name(known_name(camera, folders_.originals));
-                   });
-        };
-        std::erase_if(rooms_, is_of_walked);
-        std::erase_if(masks_, is_of_walked);
-        if (std::erase_if(frames_, is_of_walked) == 0) material_.left_out.push_back(walked);
+bool Gatherer::has_name(const std::string& camera, const Shots& shots) const {
+    return likeness(known_name(camera, folders_.originals), shots.label, {}) >= kByName;
+}
+
+// Returns the labels of those that are no masks and no empty room.
+std::vector<std::string> Gatherer::drop_pictures_of(const std::string& other) {
+    const auto is_of_other = [&](const Shots& shots) {
+        return has_name(other, shots) && std::ranges::none_of(cameras_, [&](const auto& camera) {
+                   return has_name(camera, shots);
+               });
+    };
+    std::vector<std::string> labels;
+    for (const Shots& shots : frames_)
+        if (is_of_other(shots)) labels.push_back(shots.label);
+    for (std::vector<Shots>* shots : {&frames_, &rooms_, &masks_})
+        std::erase_if(*shots, is_of_other);
+    return labels;
+}
+
+// Pictures of a camera that is not of the rig are those of no other one.
+void Gatherer::drop_others() {
+    for (const std::string& walked : folders_.walked)
+        if (drop_pictures_of(walked).empty()) material_.left_out.push_back(walked);
+    for (const auto& [camera, reason] : folders_.left_out) {
+        const std::vector<std::string> labels = drop_pictures_of(camera);
+        if (labels.empty() || reason.empty()) continue;
+        problem(
+            fmt::format("camera '{0}' left out, although it has pictures ('{1}'): {2}; or say "
+                        "--cameras '!{0}'; a hull from fewer cameras is thicker",
+                        camera,
+                        labels.front(),
+                        reason));
     }
 }
 
 Expected<void> Gatherer::gather_frames() {
-    drop_walked();
+    drop_others();
     ShiftedCount shifted = find_shifted_count(cameras_, frames_, folders_.originals);
     if (!shifted.names.empty()) {
         check(
@@ -119,13 +137,7 @@ Expected<void> Gatherer::gather_frames() {
     auto matches = match_shots(cameras_, frames_, names_, cure_of_two());
     if (!matches) return tl::unexpected(matches.error());
     material_.frames = std::move(matches->by_camera);
-    for (const std::string& camera : matches->missing) {
-        const auto is_one_of = [&](const std::vector<std::string>& names) {
-            return std::ranges::find(names, camera) != names.end();
-        };
-        if (is_one_of(folders_.for_markers)) continue;
-        (is_one_of(folders_.optional) ? material_.left_out : material_.missing).push_back(camera);
-    }
+    take_missing(matches->missing);
     std::vector<std::string> labels;
     for (const Shots& shots : frames_) {
         const bool is_taken = std::ranges::any_of(material_.frames, [&](const auto& entry) {
@@ -159,6 +171,57 @@ Expected<void> Gatherer::gather_frames() {
     return {};
 }
 
+void Gatherer::take_missing(const std::vector<std::string>& cameras) {
+    std::vector<std::string> for_markers;
+    for (const std::string& camera : cameras) {
+        if (folders_.for_markers.contains(camera)) {
+            for_markers.push_back(camera);
+        } else {
+            const bool is_optional =
+                std::ranges::find(folders_.optional, camera) != folders_.optional.end();
+            (is_optional ? material_.left_out : material_.missing).push_back(camera);
+        }
+    }
+    doubt_markers(for_markers);
+}
+
+// Cameras of a model for markers without pictures: whether their pictures are missed.
+void Gatherer::doubt_markers(const std::vector<std::string>& without) {
+    std::map<std::string, std::vector<std::string>> of_model;
+    for (const std::string& camera : without) {
+        const auto is_of_camera = [&](const Shots& shots) { return has_name(camera, shots); };
+        if (std::ranges::any_of(rooms_, is_of_camera) ||
+            std::ranges::any_of(masks_, is_of_camera)) {
+            material_.missing.push_back(camera);
+            why_missed_ += fmt::format("; of '{}' there is an empty room or a mask",
+                                       known_name(camera, folders_.originals));
+        } else {
+            of_model[folders_.for_markers.at(camera)].push_back(camera);
+        }
+    }
+    for (const auto& [model, cameras] : of_model) {
+        std::vector<std::string> with;
+        for (const auto& [camera, other] : folders_.for_markers)
+            if (other == model && material_.frames.contains(camera)) with.push_back(camera);
+        if (with.empty()) continue;
+        const std::string why = fmt::format("{} {} of the same model as {} ({})",
+                                            known(cameras),
+                                            cameras.size() == 1 ? "is" : "are",
+                                            known(with),
+                                            model);
+        if (with.size() >= cameras.size()) {
+            std::ranges::copy(cameras, std::back_inserter(material_.missing));
+            why_missed_ += "; " + why;
+        } else {
+            check(
+                fmt::format("cameras for markers: {}, but have no pictures in {}; if they took "
+                            "some, copy them there",
+                            why,
+                            folders_.frames.string()));
+        }
+    }
+}
+
 void Gatherer::report_missing(const std::vector<std::string>& unused) {
     if (!material_.left_out.empty()) {
         tell(fmt::format("left out: {}: it moved, and has no pictures in {}",
@@ -167,7 +230,7 @@ void Gatherer::report_missing(const std::vector<std::string>& unused) {
     }
     if (!material_.missing.empty()) {
         problem(fmt::format(
-            "{} of {} cameras left out, because {} has no pictures of {}{}; a hull from fewer "
+            "{} of {} cameras left out, because {} has no pictures of {}{}{}; a hull from fewer "
             "cameras is thicker: copy the pictures there, give their folder the camera's name, or "
             "leave these cameras out with --cameras",
             material_.missing.size(),
@@ -175,7 +238,8 @@ void Gatherer::report_missing(const std::vector<std::string>& unused) {
             folders_.frames.string(),
             known(material_.missing),
             (unused.empty() ? "" : " (not used: " + listed(unused) + ")") +
-                doubt_of_count(known_names(cameras_), known_names(material_.missing), unused)));
+                doubt_of_count(known_names(cameras_), known_names(material_.missing), unused),
+            why_missed_));
     }
     if (material_.missing.empty() && !unused.empty()) {
         check(

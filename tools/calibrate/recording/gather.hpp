@@ -14,16 +14,20 @@ namespace atrium::calibrate {
 /// Where the pictures of a rig are searched.
 struct PictureFolders {
     std::filesystem::path frames;
-    std::string take;                      // pattern of their names; empty: all
-    std::filesystem::path background;      // empty: below `frames`, by name
-    std::filesystem::path masks;           // empty: below `frames`, by name
-    bool is_rate_said = false;             // so the videos' rates decide nothing
-    bool invert_masks = false;             // people are black in them
-    std::vector<std::string> optional;     // cameras that moved: not missed without pictures
-    std::vector<std::string> for_markers;  // cameras that may take no pictures: the same
-    std::vector<std::string> walked;       // others, whose pictures belong to no camera
-    std::string why_unknown = {};          // cameras are not in the calibration; or empty
-    Originals originals = {};              // names of cameras in the calibration, if other ones
+    std::string take;                   // pattern of their names; empty: all
+    std::filesystem::path background;   // empty: below `frames`, by name
+    std::filesystem::path masks;        // empty: below `frames`, by name
+    bool is_rate_said = false;          // so the videos' rates decide nothing
+    bool invert_masks = false;          // people are black in them
+    std::vector<std::string> optional;  // cameras that moved: not missed without pictures
+    /// Cameras that may take no pictures, and their models: not missed without pictures, unless the
+    /// empty room or others of the model have some.
+    std::map<std::string, std::string> for_markers;
+    std::vector<std::string> walked;  // others, whose pictures belong to no camera
+    /// The same, by name in the calibration, and why; empty: nobody misses them.
+    std::map<std::string, std::string> left_out = {};
+    std::string why_unknown = {};  // cameras are not in the calibration; or empty
+    Originals originals = {};      // names of cameras in the calibration, if other ones
 };
 
 /// The pictures of a rig, found in folders of another program.

@@ -22,7 +22,11 @@ public:
 private:
     Expected<void> sort_out(const std::vector<Shots>& found);
     std::string cure_of_two() const;
-    void drop_walked();
+    std::vector<std::string> drop_pictures_of(const std::string& other);
+    void drop_others();
+    bool has_name(const std::string& camera, const Shots& shots) const;
+    void take_missing(const std::vector<std::string>& cameras);
+    void doubt_markers(const std::vector<std::string>& without);
     Expected<void> gather_frames();
     void report_missing(const std::vector<std::string>& unused);
     void drop_other_instants();
@@ -53,6 +57,7 @@ private:
     const PictureFolders& folders_;
     Originals names_;  // of the cameras, in the pictures
     std::vector<std::string> with_frames_;
+    std::string why_missed_;  // cameras for markers
     std::vector<Shots> frames_;
     std::vector<Shots> rooms_;
     std::vector<Shots> masks_;
