@@ -137,66 +137,6 @@ TEST_F(Mistakes, TwoCamerasWithOnePoseAreAProblem) {
                                   HasSubstr("--cameras '!cam4'"))));
 }
 
-TEST_F(Mistakes, DecimalCommasAreNamed) {
-    std::string qualisys = test::qualisys_xml(cameras_);
-    const std::size_t r11 = qualisys.find("r11=\"");
-    const std::size_t point = qualisys.find('.', r11);
-    const std::string good = qualisys.substr(r11 + 5, qualisys.find('"', r11 + 5) - r11 - 5);
-    qualisys[point] = ',';
-    std::string word = good;
-    word[word.find('.')] = ',';
-    EXPECT_THAT(error_of("a.qca.txt", qualisys),
-                HasSubstr("camera 'cam1': <transform> r11: '" + word +
-                          "' is not a number; decimals have a point"));
-    std::string vicon = test::vicon_xcp(cameras_);
-    vicon[vicon.find('.', vicon.find("POSITION=\""))] = ',';
-    EXPECT_THAT(error_of("a.xcp", vicon),
-                AllOf(HasSubstr("<KeyFrame> POSITION: '"), HasSubstr("decimals have a point")));
-    // in an XML of OpenCV, and as a scalar
-    std::string xml = test::opencv_xml(cameras_);
-    xml[xml.find('.', xml.find("<data>"))] = ',';
-    EXPECT_THAT(error_of("a.xml", xml), HasSubstr("decimals have a point"));
-    EXPECT_THAT(error_of("a.yml",
-                         "%YAML:1.0\n---\ncam1:\n   fx: 900,5\n   fy: 900.5\n   cx: 320.0\n"
-                         "   cy: 240.0\ncam2:\n   fx: 900,5\n   fy: 1.0\n   cx: 1.0\n   cy: 1.0\n"),
-                HasSubstr("'900,5' is not a number; decimals have a point"));
-    // a list takes the comma for a separator
-    EXPECT_THAT(error_of("b.yml",
-                         "%YAML:1.0\n---\ncam1:\n   K: [ 900,5, 0,0, 320,0, 0,0, 900,5, 240,0, "
-                         "0,0, 0,0, 1,0 ]\n"),
-                HasSubstr("a decimal comma makes two numbers of one"));
-    folder_.write("model/images.txt", test::colmap_images_txt(cameras_, 1.0));
-    std::string colmap = test::colmap_cameras_txt(cameras_);
-    colmap[colmap.find('.', colmap.find("OPENCV"))] = ',';
-    folder_.write("model/cameras.txt", colmap);
-    const auto model = read_foreign({folder_.path() / "model"}, "auto");
-    ASSERT_FALSE(model);
-    EXPECT_THAT(model.error().message,
-                AllOf(HasSubstr("cameras.txt:"), HasSubstr("decimals have a point")));
-}
-
-// A camera for markers may have pictures, so its errors are told as well; it is not left out.
-TEST_F(Mistakes, NumbersOfACameraForMarkersAreRead) {
-    std::string good = test::qualisys_xml(cameras_);
-    good.replace(good.find("model=\"Miqus Video\""), 19, "model=\"Oqus 210c\"");
-    const std::size_t x = good.find(" x=\"", good.find("Oqus 210c"));
-    const std::size_t end = good.find('"', x + 4);
-    const auto with_x = [&](const std::string& word) {
-        return std::string(good).replace(x + 4, end - x - 4, word);
-    };
-    EXPECT_THAT(error_of("a.qca.xml", with_x("424,099058")),
-                AllOf(HasSubstr("a.qca.xml: camera 'cam1': <transform> x: '424,099058' is not a "
-                                "number; decimals have a point: 424.099058")));
-    EXPECT_THAT(error_of("b.qca.xml", with_x("12.5mm")),
-                HasSubstr("camera 'cam1': <transform> x: '12.5mm' is not a number; copy"));
-    for (const char* unset : {"nan", "", "-1.#IND", "-nan(ind)"}) {
-        const auto rig = read_foreign({folder_.write("c.qca.xml", with_x(unset))}, "auto");
-        ASSERT_TRUE(rig) << rig.error().message;
-        EXPECT_EQ(rig->cameras.size(), 4U);
-        EXPECT_THAT(rig->left_out.at("cam1"), HasSubstr("<transform> lacks a number x"));
-    }
-}
-
 // As Anipose and FreeMoCap write it: z = 0 would be the height of the lens.
 TEST_F(Mistakes, TheFrameOfALevelCameraHasNoFloor) {
     const auto of_room = conclude_from("a.toml", test::anipose_toml(cameras_, 1000.0));

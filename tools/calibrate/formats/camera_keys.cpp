@@ -120,26 +120,12 @@ bool has_coefficients(const Tree& map) {
 }
 
 // At the top of a file a camera's name may follow: K_01.
-bool is_known_key(const std::string& key, int depth) {
+bool is_one_of(const std::string& key, std::initializer_list<Keys> all, int depth) {
     const auto lower = [](std::string text) {
         std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
         return text;
     };
-    for (const Keys keys : {kMatrix,
-                            kFocal[0],
-                            kFocal[1],
-                            kFocal[2],
-                            kFocal[3],
-                            kDistortion,
-                            kCoefficients,
-                            kRotation,
-                            kTranslation,
-                            kPose,
-                            kWidth,
-                            kHeight,
-                            kSize,
-                            kName,
-                            kModel}) {
+    for (const Keys keys : all) {
         for (const char* known : keys) {
             if (lower(key) == lower(known) ||
                 (depth == 0 && key.starts_with(std::string(known) + "_")))
@@ -147,6 +133,57 @@ bool is_known_key(const std::string& key, int depth) {
         }
     }
     return false;
+}
+
+bool is_key_of_numbers(const std::string& key, int depth) {
+    return is_one_of(key,
+                     {kMatrix,
+                      kFocal[0],
+                      kFocal[1],
+                      kFocal[2],
+                      kFocal[3],
+                      kDistortion,
+                      kCoefficients,
+                      kRotation,
+                      kTranslation,
+                      kPose,
+                      kWidth,
+                      kHeight,
+                      kSize},
+                     depth);
+}
+
+bool is_known_key(const std::string& key, int depth) {
+    return is_key_of_numbers(key, depth) || is_one_of(key, {kName, kModel}, depth);
+}
+
+// The first text in a list, or lists of those, of numbers.
+std::string text_among_numbers(const Tree& value, int depth) {
+    if (depth > 3 || !value.is_array()) return {};
+    for (const Tree& element : value) {
+        if (element.is_string()) return element.get<std::string>();
+        if (std::string text = text_among_numbers(element, depth + 1); !text.empty()) return text;
+    }
+    return {};
+}
+
+std::string unreadable_below(const Tree& tree, const std::string& path, int depth) {
+    if (depth > 4 || !tree.is_structured()) return {};
+    for (const auto& [key, value] : tree.items()) {
+        const std::string where = path + (path.empty() ? "" : ".") + key;
+        if (tree.is_object() && is_key_of_numbers(key, depth)) {
+            const std::string comma =
+                value.is_string() ? decimal_comma(value.get<std::string>()) : std::string();
+            const std::string text = comma.empty() ? text_among_numbers(value, 0) : comma;
+            if (!decimal_comma(text).empty()) return where + ": " + comma_is_no_point(text);
+            if (!text.empty())
+                return fmt::format("{}: '{}' is not a number; write numbers without quotes",
+                                   where,
+                                   text.substr(0, 40));
+        }
+        if (std::string bad = unreadable_below(value, where, depth + 1); !bad.empty()) return bad;
+    }
+    return {};
 }
 
 void add_unknown_below(const Tree& tree, int depth, std::vector<std::string>& unknown) {
@@ -284,6 +321,8 @@ void CameraKeys::finish() {
         it = cameras_.erase(it);
     }
 }
+
+std::string unreadable_value(const Tree& tree) { return unreadable_below(tree, "", 0); }
 
 void add_unknown_keys(const Tree& tree, std::vector<std::string>& unknown) {
     add_unknown_below(tree, 0, unknown);

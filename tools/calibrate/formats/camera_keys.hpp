@@ -63,6 +63,10 @@ private:
     Tree no_rotation_ = {0.0, 0.0, 0.0};
 };
 
+/// Why a value of a camera cannot be read, for messages: "cam3.K: '900,5' is not a number; decimals
+/// have a point: 900.5". Empty: there is none. A camera with it would look like no camera.
+std::string unreadable_value(const Tree& tree);
+
 /// Keys with numbers that mean nothing here, in a file, at most 12, without repetition.
 void add_unknown_keys(const Tree& tree, std::vector<std::string>& unknown);
 

@@ -42,6 +42,13 @@ Expected<void> read_cameras(const std::filesystem::path& file, ColmapModel& mode
             camera.parameters.push_back(value);
         if (const std::string word = decimal_comma(line); !word.empty())
             return wrong_line(file, number, comma_is_no_point(word));
+        words.clear();
+        if (std::string word; camera.parameters.size() < 32 && words >> word) {
+            return wrong_line(file,
+                              number,
+                              fmt::format("'{}' is not a number; copy or export the model again",
+                                          word.substr(0, 40)));
+        }
         model.cameras[id] = std::move(camera);
         if (model.cameras.size() > kMaxColmapImages)
             return wrong_line(file, number, "too many cameras");

@@ -86,7 +86,19 @@ std::string toml_reason(const std::string& what) {
     std::string line =
         line_begin == std::string::npos ? "" : what.substr(line_begin, bar - line_begin);
     std::erase_if(line, [](unsigned char c) { return std::isdigit(c) == 0; });
-    return (line.empty() ? "" : "line " + line + ": ") + reason + "; the file may be cut off";
+    return (line.empty() ? "" : "line " + line + ": ") + reason;
+}
+
+// The decimal comma of a value that is no list, as in "error = 0,5"; or empty.
+std::string comma_in_toml(const std::string& text) {
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        const std::size_t equals = line.find('=');
+        if (equals == std::string::npos || line.find_first_of("[\"'#{") != std::string::npos)
+            continue;
+        if (std::string word = decimal_comma(line.substr(equals + 1)); !word.empty()) return word;
+    }
+    return {};
 }
 
 }  // namespace
@@ -120,7 +132,11 @@ Expected<Tree> parse_toml(const std::string& text, const std::string& name) {
         std::istringstream stream(text);
         return from_toml(toml::parse(stream, name));
     } catch (const std::exception& failure) {
-        return damaged(name, "not valid TOML: " + toml_reason(failure.what()));
+        const std::string comma = comma_in_toml(text);
+        return damaged(name,
+                       fmt::format("not valid TOML: {}; {}",
+                                   toml_reason(failure.what()),
+                                   comma.empty() ? kCutOffOrComma : comma_is_no_point(comma)));
     }
 }
 
@@ -136,11 +152,15 @@ Expected<Tree> parse_json(const std::string& text, const std::string& name) {
         return Tree::parse(text, nullptr, true, true);
     } catch (const std::exception& failure) {
         const bool has_nan = text.find("NaN") != std::string::npos;
+        const bool may_have_comma =
+            std::string_view(failure.what()).find("object key - unexpected number") !=
+            std::string_view::npos;
         return damaged(
             name,
-            fmt::format("not valid JSON: {}{}",
+            fmt::format("not valid JSON: {}{}{}",
                         failure.what(),
-                        has_nan ? "; a value is NaN, not a number: calibrate again" : ""));
+                        has_nan ? "; a value is NaN, not a number: calibrate again" : "",
+                        may_have_comma ? "; is it a decimal comma? decimals have a point" : ""));
     }
 }
 

@@ -141,10 +141,9 @@ Expected<Tree> parse_file_storage(const std::string& text, const std::string& na
         std::ranges::replace_if(
             words, [](char c) { return c == '<' || c == '>'; }, ' ');
         const std::string comma = decimal_comma(words);
-        result = damaged(
-            fmt::format("not a file of OpenCV's FileStorage{}; {}",
-                        place_of(failure.what()),
-                        comma.empty() ? "the file may be cut off" : comma_is_no_point(comma)));
+        result = damaged(fmt::format("not a file of OpenCV's FileStorage{}; {}",
+                                     place_of(failure.what()),
+                                     comma.empty() ? kCutOffOrComma : comma_is_no_point(comma)));
     }
     cv::utils::logging::setLogLevel(level);
     return result;

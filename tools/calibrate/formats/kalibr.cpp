@@ -19,6 +19,12 @@ std::optional<ForeignPose> step_of(const Tree& camera) {
     return ForeignPose{*matrix, {(*m)[3], (*m)[7], (*m)[11]}};
 }
 
+bool has_number_too_many(const Tree& camera) {
+    const Tree* value = find(camera, {"T_cn_cnm1"});
+    const auto m = value == nullptr ? std::nullopt : numbers(*value);
+    return m && m->size() > 16;
+}
+
 Expected<ForeignCamera> chain_camera(const Tree& table,
                                      const std::string& name,
                                      const std::string& where,
@@ -55,6 +61,11 @@ Expected<ForeignCamera> chain_camera(const Tree& table,
                 "pinhole-radtan");
         lens.distortion.clear();
     }
+    if (lens.distortion.size() > 4) {
+        return wrong(fmt::format("distortion_coeffs has {} numbers, but must have 4{}",
+                                 lens.distortion.size(),
+                                 kCommaMakesTwo));
+    }
     if (auto set = set_lens(camera, lens, where, notes); !set) return tl::unexpected(set.error());
     return camera;
 }
@@ -86,9 +97,10 @@ Expected<ForeignRig> read_kalibr(const Files& files) {
             if (!step) {
                 return make_error(ErrorKind::kInvalidData,
                                   fmt::format("{}: camera '{}': T_cn_cnm1 must be a transform of 4 "
-                                              "rows of 4 numbers, from the camera before",
+                                              "rows of 4 numbers, from the camera before{}",
                                               where,
-                                              name));
+                                              name,
+                                              has_number_too_many(*table) ? kCommaMakesTwo : ""));
             }
             camera_from_first = camera_from_site(*step, {}) * camera_from_first;
         }

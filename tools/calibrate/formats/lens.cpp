@@ -92,13 +92,14 @@ Expected<void> set_lens(ForeignCamera& camera,
     const auto bad_matrix = wrong(fmt::format(
         "its camera matrix must be 9 numbers (fx s cx, 0 fy cy, 0 0 1) or fx, fy, cx, cy in "
         "pixels, with focal lengths above 0{}",
-        num == 8 || num == 18 ? "; a decimal comma makes two numbers of one: decimals have a point"
-                              : ""));
+        (num > 4 && num < 9) || num > 9 ? kCommaMakesTwo : ""));
     if (auto set = set_matrix(k, lens, bad_matrix.value()); !set) return set;
     if (!lens.size.empty()) {
         if (lens.size.size() != 2 || !is_in(lens.size[0], 16, 8192) ||
             !is_in(lens.size[1], 16, 8192))
-            return wrong("its picture size must be width and height, 16 to 8192 px each");
+            return wrong(
+                fmt::format("its picture size must be width and height, 16 to 8192 px each{}",
+                            lens.size.size() > 2 ? kCommaMakesTwo : ""));
         k.width = static_cast<int>(std::lround(lens.size[0]));
         k.height = static_cast<int>(std::lround(lens.size[1]));
     }
@@ -106,6 +107,15 @@ Expected<void> set_lens(ForeignCamera& camera,
     const bool fisheye = is_fisheye(lens.model);
     const auto is_zero = [](double value) { return value == 0.0; };
     const std::vector<double>& d = lens.distortion;
+    const bool has_count_of_model =
+        fisheye ? d.size() <= 4 || std::all_of(d.begin() + 4, d.end(), is_zero)
+                : d.size() <= 5 || d.size() == 8 || d.size() == 12 || d.size() >= 14;
+    if (!has_count_of_model) {
+        return wrong(fmt::format("its distortion has {} numbers, but must have {}{}",
+                                 d.size(),
+                                 fisheye ? "4" : "4, 5, 8, 12 or 14",
+                                 kCommaMakesTwo));
+    }
     if (d.size() > 12 && !std::all_of(d.begin() + 12, d.end(), is_zero))
         return wrong("a tilted sensor (tau x, tau y) is not supported; calibrate without it");
     const bool is_brown =

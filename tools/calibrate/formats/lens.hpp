@@ -17,6 +17,10 @@ struct LensNumbers {
     double pixel_centre = 0.0;       // coordinate of the first pixel's centre
 };
 
+/// For errors on a list with too many numbers: it takes a decimal comma for a separator.
+inline constexpr const char* kCommaMakesTwo =
+    "; a decimal comma makes two numbers of one: decimals have a point";
+
 /// Whether `model` is a name of OpenCV's fisheye lens, whose coefficients are k1 to k4.
 bool is_fisheye(std::string model);
 

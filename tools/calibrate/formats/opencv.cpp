@@ -31,6 +31,19 @@ std::optional<ForeignPose> pose_of(const Found& found) {
     return ForeignPose{*matrix, {translation[0], translation[1], translation[2]}};
 }
 
+// A list takes a decimal comma for a separator.
+bool has_number_too_many(const Found& found) {
+    const auto count = [](const Tree* value) {
+        const auto all = value == nullptr ? std::nullopt : numbers(*value);
+        return all ? all->size() : 0;
+    };
+    const std::size_t of_rotation = count(found.rotation);
+    const std::size_t of_pose = count(found.pose);
+    return of_pose > 12 ? of_pose != 16
+                        : count(found.translation) > 3 || of_rotation > 9 ||
+                              (of_rotation > 3 && of_rotation < 9);
+}
+
 // Up to the last that is given; those between that are not are 0.
 std::optional<std::vector<double>> coefficients_in(const Tree& map, const std::string& model) {
     std::vector<double> coefficients;
@@ -123,9 +136,10 @@ Expected<ForeignCamera> camera_of(const std::string& name,
     const bool has_values =
         found.pose != nullptr || (found.rotation != nullptr && found.translation != nullptr);
     if (has_values && !camera.pose) {
-        return wrong(
+        return wrong(fmt::format(
             "its pose must be a right-handed rotation matrix of 9 numbers or a rotation vector of "
-            "3, and a translation of 3 numbers");
+            "3, and a translation of 3 numbers{}",
+            has_number_too_many(found) ? kCommaMakesTwo : ""));
     }
     return camera;
 }
@@ -147,6 +161,8 @@ Expected<ForeignRig> read_opencv(const Files& files) {
         auto tree =
             is_json ? parse_json(*text, file.string()) : parse_file_storage(*text, file.string());
         if (!tree) return tl::unexpected(tree.error());
+        if (const std::string bad = unreadable_value(*tree); !bad.empty())
+            return make_error(ErrorKind::kInvalidData, fmt::format("{}: {}", file.string(), bad));
         trees.push_back(CameraKeys::flattened(std::move(*tree)));
         if (auto added = collector.add(trees.back(), file); !added)
             return tl::unexpected(added.error());

@@ -40,9 +40,12 @@ Expected<ForeignCamera> toml_camera(const Tree& table,
     if (rotation.empty() && translation.empty()) return camera;  // not yet calibrated
     const auto matrix = rotation_of(rotation);
     if (!matrix || translation.size() != 3) {
+        const bool has_too_many =
+            translation.size() > 3 || (rotation.size() > 3 && rotation.size() != 9);
         return wrong(
-            "rotation must be a rotation vector of 3 numbers or a matrix of 9, and "
-            "translation 3 numbers");
+            fmt::format("rotation must be a rotation vector of 3 numbers or a matrix of 9, and "
+                        "translation 3 numbers{}",
+                        has_too_many ? kCommaMakesTwo : ""));
     }
     camera.pose = ForeignPose{*matrix, {translation[0], translation[1], translation[2]}};
     return camera;
