@@ -22,6 +22,12 @@ std::optional<double> parse_number(const std::string& text, double low, double h
     return is_good ? std::optional(value) : std::nullopt;
 }
 
+// "3,18" is 3.18.
+std::string hint_of_comma(const std::string& text) {
+    const std::string word = decimal_comma(text);
+    return word.empty() ? std::string() : "; write a decimal point: " + with_points(word);
+}
+
 // "237" is a height in centimetres rather than in metres.
 std::string hint_of_centimetres(const std::string& text) {
     const auto height_cm = parse_number(text, 0.0, 1000.0);
@@ -36,9 +42,9 @@ void add_distance(CLI::App& command, Said& said) {
             [&said](const std::vector<std::string>& words) {
                 const auto metres = parse_number(words[2], 0.01, 1000.0);
                 if (!metres)
-                    throw CLI::ValidationError(
-                        "--distance",
-                        "must be two cameras and 0.01 to 1000 metres, got " + words[2]);
+                    throw CLI::ValidationError("--distance",
+                                               "must be two cameras and 0.01 to 1000 metres, got " +
+                                                   words[2] + hint_of_comma(words[2]));
                 said.distance = Said::Distance{words[0], words[1], *metres};
             },
             "measured distance of two cameras in metres; gives the scale")
@@ -52,7 +58,8 @@ void add_distance(CLI::App& command, Said& said) {
                 if (!metres)
                     throw CLI::ValidationError("--camera-height",
                                                "must be a camera and -10 to 100 metres, got " +
-                                                   words[1] + hint_of_centimetres(words[1]));
+                                                   words[1] + hint_of_centimetres(words[1]) +
+                                                   hint_of_comma(words[1]));
                 said.height = Said::Height{words[0], *metres};
             },
             "measured height of a camera above the floor in metres; gives the floor")
@@ -119,14 +126,20 @@ void add_picture_options(CLI::App& command, ImportOptions& options) {
             "size of the pictures in pixels, if the file says none or they were scaled")
         ->type_name("WIDTHxHEIGHT");
     command
-        .add_option_function<double>(
+        .add_option_function<std::string>(
             "--rate",
-            [&options](const double& rate_hz) {
-                options.said.rate_hz = rate_hz;
+            [&options](const std::string& text) {
+                const auto rate_hz = parse_number(text, 0.1, 1000.0);
+                if (!rate_hz)
+                    throw CLI::ValidationError("--rate",
+                                               "must be pictures per second, a number of 0.1 to "
+                                               "1000 without a unit, got " +
+                                                   text + hint_of_comma(text));
+                options.said.rate_hz = *rate_hz;
                 options.has_rate = true;
             },
             "pictures per second; default: of the videos, else 30")
-        ->check(CLI::Range(0.1, 1000.0));
+        ->type_name("NUMBER");
     auto* recording = command.add_option(
         "--recording",
         options.recording,

@@ -2,6 +2,7 @@
 #include "tests/unit/calibrate/foreign_texts.hpp"
 #include "tools/calibrate/formats/format.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
+#include "tools/calibrate/names/name_parts.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -68,6 +69,46 @@ TEST_F(FolderOfFiles, WithAPartInEachFileIsOneCalibration) {
     const auto both = read_foreign(files, "auto");
     ASSERT_TRUE(both) << both.error().message;
     EXPECT_EQ(both->cameras.size(), cameras_.size());
+}
+
+TEST_F(FolderOfFiles, AboveThatOfTheCalibrationNamesIt) {
+    EXPECT_THAT(error(), HasSubstr("a folder without a calibration"));
+    folder_.write("Data/notes.txt", "nothing");
+    const auto file = folder_.write("qtm/Calibrations/a.qca.xml", test::qualisys_xml(cameras_));
+    EXPECT_THAT(error(),
+                HasSubstr("but below it there is '" + file.string() + "'; give that of these"));
+    const auto other = folder_.write("other/b.yml", "a: 1\n");
+    folder_.write("one/two/three/c.yml", "a: 1\n");
+    EXPECT_THAT(error(), HasSubstr("there are '" + other.string() + "', '" + file.string() + "';"));
+}
+
+TEST_F(FolderOfFiles, OfOneCameraEachNamesThemWithoutTheWordsOfAll) {
+    const std::vector<std::string> places{"door", "window", "desk", "shelf"};
+    for (std::size_t i = 0; i < places.size(); ++i) cameras_[i].name = places[i] + "_calib";
+    write_each(cameras_);
+    const auto rig = read();
+    ASSERT_TRUE(rig) << rig.error().message;
+    std::vector<std::string> names;
+    for (const ForeignCamera& camera : rig->cameras) names.push_back(camera.name);
+    EXPECT_THAT(names, testing::UnorderedElementsAreArray(places));
+}
+
+TEST(WordsOfCalibration, AreDroppedIfAllNamesHaveThemAndStayNames) {
+    using Names = std::vector<std::string>;
+    const auto without = without_calibration_words;
+    EXPECT_EQ(without({"door_calib", "left door_calib"}), (Names{"door", "left door"}));
+    EXPECT_EQ(without({"a-Camera-Calibration", "b-Camera-Calibration"}), (Names{"a", "b"}));
+    EXPECT_EQ(without({"calib_left", "calib_right"}), (Names{"left", "right"}));
+    EXPECT_EQ(without({"A_intrinsics", "B_intrinsics"}), (Names{"A", "B"}));
+    // not all, no letter left, two alike, no word of its own, one file
+    for (const Names& names : {Names{"door_calib", "desk"},
+                               Names{"1_calib", "2_calib"},
+                               Names{"calib_a", "a_calib"},
+                               Names{"cam_left", "cam_right"},
+                               Names{"localib", "recalib"},
+                               Names{"calib", "calib_2"},
+                               Names{"door_calib"}})
+        EXPECT_EQ(without(names), names);
 }
 
 TEST_F(FolderOfFiles, MayHoldTheRigOfAnEarlierImport) {

@@ -206,6 +206,10 @@ TEST_F(ImportedRecording, NamesTruncatedPicturesAndTheCure) {
     EXPECT_THAT(report->problems,
                 Contains(AllOf(HasSubstr("camera 'cam2': 1 picture is truncated"),
                                HasSubstr("0004.png; copy"))));
+    fs::resize_file(take("cam2/0006.png"), 0);
+    options_.force = true;
+    EXPECT_THAT(import(options_)->problems,
+                Contains(HasSubstr("camera 'cam2': 2 pictures are truncated: ")));
     cut("cam3/0000.png");
     options_.output = folder_.path() / "second";
     const auto refused = import(options_);

@@ -224,7 +224,9 @@ Tree CameraKeys::flattened(Tree tree, int depth) {
     return tree;
 }
 
-Expected<void> CameraKeys::add(const Tree& tree, const std::filesystem::path& file) {
+Expected<void> CameraKeys::add(const Tree& tree,
+                               const std::filesystem::path& file,
+                               const std::string& name) {
     where_ = file.string();
     found_some_ = false;
     const bool is_stereo = find_with(tree, kMatrix, "1") != nullptr;
@@ -235,7 +237,7 @@ Expected<void> CameraKeys::add(const Tree& tree, const std::filesystem::path& fi
     if (is_stereo || is_stereo_pose) return add_stereo(tree);
     for (const std::string& suffix : suffixes(tree)) add_keys(tree, suffix, suffix.substr(1));
     if (found_some_) return {};
-    add_map(tree, file.stem().string(), 0);
+    add_map(tree, name, 0);
     if (cameras_.size() > kMaxCamerasRead) return too_many_cameras(where_);
     return {};
 }

@@ -43,8 +43,11 @@ public:
     /// in, unless it has such values itself.
     static Tree flattened(Tree tree, int depth = 0);
 
-    /// `tree` must outlive this and be flattened. Error kInvalidData for too many cameras.
-    Expected<void> add(const Tree& tree, const std::filesystem::path& file);
+    /// `tree` must outlive this and be flattened. A camera that has no other name is called `name`.
+    /// Error kInvalidData for too many cameras.
+    Expected<void> add(const Tree& tree,
+                       const std::filesystem::path& file,
+                       const std::string& name);
     /// After the last file: gives poses that are named by two cameras, as "cam2_to_cam1", to the
     /// first of them.
     void finish();

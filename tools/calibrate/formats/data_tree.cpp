@@ -201,9 +201,12 @@ std::string decimal_comma_in(const Tree& tree) {
 }
 
 std::string comma_is_no_point(const std::string& word) {
-    std::string with_point = word;
-    std::ranges::replace(with_point, ',', '.');
-    return fmt::format("'{}' is not a number; decimals have a point: {}", word, with_point);
+    return fmt::format("'{}' is not a number; decimals have a point: {}", word, with_points(word));
+}
+
+std::string with_points(std::string word) {
+    std::ranges::replace(word, ',', '.');
+    return word;
 }
 
 const Tree* find(const Tree& map, std::initializer_list<const char*> keys) {

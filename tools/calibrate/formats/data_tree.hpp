@@ -45,6 +45,8 @@ std::string decimal_comma_in(const Tree& tree);
 
 /// "'0,98' is not a number; decimals have a point: 0.98".
 std::string comma_is_no_point(const std::string& word);
+/// "0.98" of "0,98".
+std::string with_points(std::string word);
 /// For files that are no valid TOML or YAML: 0,05 makes 0 and 05, which is no number.
 inline constexpr const char* kCutOffOrComma =
     "the file may be cut off, or have a decimal comma: decimals have a point";

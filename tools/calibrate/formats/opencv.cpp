@@ -2,6 +2,7 @@
 #include "tools/calibrate/formats/camera_keys.hpp"
 #include "tools/calibrate/formats/format.hpp"
 #include "tools/calibrate/formats/lens.hpp"
+#include "tools/calibrate/names/name_parts.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -152,6 +153,9 @@ Expected<ForeignRig> read_opencv(const Files& files) {
     std::vector<Tree> trees;  // `Found` points into them
     trees.reserve(files.size());
     CameraKeys collector;
+    std::vector<std::string> names;
+    for (const auto& file : files) names.push_back(file.stem().string());
+    names = without_calibration_words(names);
     for (const auto& file : files) {
         const auto text = read_bytes(file, kMaxTextBytes);
         if (!text) return tl::unexpected(text.error());
@@ -164,7 +168,7 @@ Expected<ForeignRig> read_opencv(const Files& files) {
         if (const std::string bad = unreadable_value(*tree); !bad.empty())
             return make_error(ErrorKind::kInvalidData, fmt::format("{}: {}", file.string(), bad));
         trees.push_back(CameraKeys::flattened(std::move(*tree)));
-        if (auto added = collector.add(trees.back(), file); !added)
+        if (auto added = collector.add(trees.back(), file, names[trees.size() - 1]); !added)
             return tl::unexpected(added.error());
     }
     collector.finish();

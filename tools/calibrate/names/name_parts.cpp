@@ -3,10 +3,72 @@
 #include "tools/calibrate/names/rig_name.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <filesystem>
+#include <set>
+#include <string_view>
 
 namespace atrium::calibrate {
+namespace {
+
+constexpr std::string_view kBetweenWords = "_-. ";
+
+// Without `word` and what divides it from the rest, or the whole name.
+std::string without_ending(const std::string& name, std::string_view word) {
+    if (!lower(name).ends_with(word) || name.size() == word.size()) return name;
+    const std::size_t end = name.size() - word.size();
+    const std::size_t last = name.find_last_not_of(kBetweenWords, end - 1);
+    return last == std::string::npos || last + 1 == end ? name : name.substr(0, last + 1);
+}
+
+std::string without_beginning(const std::string& name, std::string_view word) {
+    if (!lower(name).starts_with(word)) return name;
+    const std::size_t first = name.find_first_not_of(kBetweenWords, word.size());
+    return first == std::string::npos || first == word.size() ? name : name.substr(first);
+}
+
+}  // namespace
+
+std::vector<std::string> without_calibration_words(const std::vector<std::string>& names) {
+    constexpr std::array<std::string_view, 12> kWords{"calibration",
+                                                      "calibrated",
+                                                      "calib",
+                                                      "cal",
+                                                      "intrinsics",
+                                                      "intrinsic",
+                                                      "intri",
+                                                      "extrinsics",
+                                                      "parameters",
+                                                      "params",
+                                                      "camera",
+                                                      "cam"};
+    if (names.size() < 2) return names;
+    std::vector<std::string> result = names;
+    const auto drop = [&](const auto& without, std::string_view word) {
+        std::vector<std::string> shorter;
+        std::set<std::string> different;
+        for (const std::string& name : result) {
+            shorter.push_back(without(name, word));
+            different.insert(shorter.back());
+            if (shorter.back() == name || std::ranges::none_of(shorter.back(), is_letter))
+                return false;
+        }
+        if (different.size() < shorter.size()) return false;
+        result = std::move(shorter);
+        return true;
+    };
+    for (bool is_changed = true; is_changed;) {
+        is_changed = false;
+        for (const std::string_view word : kWords) {
+            // "cam_left" may be the name of a camera
+            const bool may_begin = !word.starts_with("cam");
+            is_changed = drop(without_ending, word) ||
+                         (may_begin && drop(without_beginning, word)) || is_changed;
+        }
+    }
+    return result;
+}
 
 std::string lower(const std::string& text) {
     std::string result = composed(text);

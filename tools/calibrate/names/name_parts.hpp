@@ -30,6 +30,11 @@ std::vector<std::string> telling_tokens(const std::string& label,
 /// The last number among tokens; empty without any.
 std::string last_number(const std::vector<std::string>& name);
 
+/// Names of files without words of calibration that all of them begin or end with: "door" of
+/// "door_calib" if there is "window_calib" too. All stay as they are if two would be alike, or one
+/// would have no letter.
+std::vector<std::string> without_calibration_words(const std::vector<std::string>& names);
+
 /// Names as people count: cam2 before cam10.
 std::vector<std::string> in_natural_order(std::vector<std::string> names);
 

@@ -57,12 +57,13 @@ std::string doubt_of_truncation(const Shots& shots, const Look& look) {
     }
     std::vector<std::filesystem::path> bad;
     for (const auto& [number, file] : shots.pictures)
-        if (capture::is_truncated_picture(file)) bad.push_back(file);
+        if (capture::is_truncated_picture(file) || has_no_bytes(file)) bad.push_back(file);
     if (bad.empty()) return {};
-    return fmt::format("{} truncated: {}{}; copy them again; the site leaves these instants out",
-                       bad.size() == 1 ? "1 picture is" : fmt::format("{} are", bad.size()),
-                       bad.front().string(),
-                       bad.size() == 1 ? "" : ", ...");
+    return fmt::format(
+        "{} truncated: {}{}; copy them again; the site leaves these instants out",
+        bad.size() == 1 ? "1 picture is" : fmt::format("{} pictures are", bad.size()),
+        bad.front().string(),
+        bad.size() == 1 ? "" : ", ...");
 }
 
 Expected<Look> look_at(const Shots& shots) try {
