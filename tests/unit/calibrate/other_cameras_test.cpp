@@ -162,6 +162,26 @@ TEST_F(OtherCameras, UsesCamerasOfAnyModelOfQualisysThatHavePictures) {
     EXPECT_THAT(report->problems, testing::Not(Contains(HasSubstr("left out"))));
 }
 
+// As caliscope's ignore and Vicon's cameras without a KeyFrame.
+TEST_F(OtherCameras, OfOtherFormatsThatAreLeftOutButHavePicturesAreAProblem) {
+    std::string toml = test::anipose_toml(cameras_, 1000.0);
+    toml.insert(toml.find("size", toml.find("\"cam3\"")), "ignore = true\n");
+    std::string xcp = test::vicon_xcp(cameras_);
+    const std::size_t frame = xcp.find("<KeyFrame ", xcp.find("\"cam3\""));
+    xcp.erase(frame, xcp.find("/>", frame) + 2 - frame);
+    for (int camera = 1; camera <= 3; ++camera)
+        test::write_video(take(fmt::format("cam{}.avi", camera)), 64, 48, 8);
+    options_.force = true;
+    for (const auto& [name, text] : {std::pair{"a.toml", toml}, std::pair{"a.xcp", xcp}}) {
+        options_.files = {folder_.write(name, text)};
+        const auto report = import(options_);
+        ASSERT_TRUE(report) << report.error().message;
+        EXPECT_THAT(report->problems,
+                    Contains(HasSubstr("camera 'cam3' left out, although it has pictures")))
+            << name;
+    }
+}
+
 class CamerasOfQualisys : public test::ImportedRecording {
 protected:
     // The three cameras, of these models.

@@ -9,13 +9,17 @@
 namespace atrium::calibrate {
 namespace {
 
+std::string camera_name(const Tree& table, const std::string& key) {
+    const Tree* name = find(table, {"name"});
+    return name != nullptr && name->is_string() ? name->get<std::string>() : key;
+}
+
 Expected<ForeignCamera> toml_camera(const Tree& table,
                                     const std::string& key,
                                     const std::string& where,
                                     std::vector<std::string>& notes) {
     ForeignCamera camera;
-    const Tree* name = find(table, {"name"});
-    camera.name = name != nullptr && name->is_string() ? name->get<std::string>() : key;
+    camera.name = camera_name(table, key);
     const auto wrong = [&](const std::string& what) {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("{}: camera '{}': {}", where, camera.name, what));
@@ -76,7 +80,12 @@ Expected<ForeignRig> read_toml_cameras(const Files& files) {
         for (const Tree* level : {&*tree, find(*tree, {"cameras"})}) {
             if (level == nullptr || !level->is_object()) continue;
             for (const auto& [key, table] : level->items()) {
-                if (find(table, {"matrix"}) == nullptr || is_ignored(table)) continue;
+                if (find(table, {"matrix"}) == nullptr) continue;
+                if (is_ignored(table)) {
+                    rig.left_out[camera_name(table, key)] =
+                        "the file says to ignore it: set ignore = false";
+                    continue;
+                }
                 auto camera = toml_camera(table, key, file.string(), rig.notes);
                 if (!camera) return tl::unexpected(camera.error());
                 rig.cameras.push_back(std::move(*camera));

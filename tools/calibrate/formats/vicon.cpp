@@ -135,6 +135,11 @@ Expected<ForeignRig> read_vicon(const Files& files) {
                 const bool is_video = type.find("Video") != std::string::npos ||
                                       type.find("Vue") != std::string::npos;
                 const pugi::xml_node frame = node.child("KeyFrames").child("KeyFrame");
+                if (is_video && !frame) {
+                    rig.left_out[node.attribute("DEVICEID").value()] =
+                        "the file has no calibration of it (KeyFrame): calibrate it in Vicon's "
+                        "program";
+                }
                 if (is_video != wants_video || !frame) continue;
                 auto camera = vicon_camera(node, frame, file.string(), rig.notes);
                 if (!camera) return tl::unexpected(camera.error());
