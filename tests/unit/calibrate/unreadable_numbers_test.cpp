@@ -103,9 +103,9 @@ TEST_F(UnreadableNumbers, OfOneCameraOfJsonAreNamed) {
         for (const char* name : {"a", "b", "c"}) {
             const bool is_last = name[0] == 'c';
             all += std::string("\"") + name +
-                    "\": {\"K\": " + (is_last ? k : "[900, 0, 320, 0, 900, 240, 0, 0, 1]") +
-                    ", \"dist\": " + (is_last ? distortion : "[0, 0, 0, 0]") +
-                    ", \"R\": [0, 0, 0], \"t\": [0, 0, 2]}" + (is_last ? "}" : ", ");
+                   "\": {\"K\": " + (is_last ? k : "[900, 0, 320, 0, 900, 240, 0, 0, 1]") +
+                   ", \"dist\": " + (is_last ? distortion : "[0, 0, 0, 0]") +
+                   ", \"R\": [0, 0, 0], \"t\": [0, 0, 2]}" + (is_last ? "}" : ", ");
         }
         return all;
     };
