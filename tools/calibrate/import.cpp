@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <string_view>
@@ -20,6 +21,8 @@ namespace atrium::calibrate {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kSameRate = 0.05;  // relative difference
 
 std::vector<std::string> names_of(const ForeignRig& rig) {
     std::vector<std::string> names;
@@ -325,7 +328,19 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     check_lenses(conclusion->rig, report.checks);
     const double rate_hz = conclusion->rig.rate_hz;
     if (!options.has_rate && material->rate_hz > 0.0)
-        report.told.push_back(fmt::format("rate: {:.4g} Hz, as the videos say", rate_hz));
+        report.told.push_back(fmt::format("rate: {:.4g} Hz, as the {} say",
+                                          rate_hz,
+                                          material->is_rate_of_times ? "times" : "videos"));
+    if (options.has_rate && material->is_rate_of_times &&
+        std::abs(rate_hz / material->rate_hz - 1.0) > kSameRate) {
+        report.checks.push_back(
+            fmt::format("rate: --rate says {:.4g} Hz, the times in the names of the pictures "
+                        "{:.4g} Hz; {:.4g} Hz is taken; if people move too fast or too slowly, "
+                        "leave --rate out",
+                        rate_hz,
+                        material->rate_hz,
+                        rate_hz));
+    }
     if (!options.has_rate && material->rate_hz <= 0.0) {
         report.checks.push_back(
             fmt::format("rate: {:.4g} Hz is assumed; if people move too fast or too slowly, say "

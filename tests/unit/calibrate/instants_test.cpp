@@ -58,7 +58,7 @@ TEST(OtherInstants, AreThoseOfCamerasWithoutANumberOfMost) {
                                             {"phone", shots_of({4711, 4712})},
                                             {"video", Shots{"v.mp4", true, {}, "v"}}});
     EXPECT_THAT(found.cameras, testing::ElementsAre("phone"));
-    EXPECT_EQ(numbers_text(found.first, found.last), "1 to 4");
+    EXPECT_EQ(Numbering{}.text(found.first, found.last), "1 to 4");
 }
 
 TEST(OtherInstants, NeedAMajorityAndShareNothing) {

@@ -88,6 +88,15 @@ bool is_letter(char c) {
     return byte >= 0x80 || std::isalpha(byte) != 0;
 }
 
+bool is_separator(char c) {
+    return !is_letter(c) && std::isdigit(static_cast<unsigned char>(c)) == 0;
+}
+
+std::string without_separators_behind(std::string name) {
+    while (!name.empty() && is_separator(name.back())) name.pop_back();
+    return name;
+}
+
 std::vector<std::string> tokens(const std::string& text) {
     std::vector<std::string> result;
     char kind = ' ';

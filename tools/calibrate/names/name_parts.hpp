@@ -12,6 +12,10 @@ std::string lower(const std::string& text);
 /// Whether a byte is a letter, or a part of a character outside ASCII.
 bool is_letter(char c);
 
+/// Whether a byte is neither a letter nor a digit.
+bool is_separator(char c);
+std::string without_separators_behind(std::string name);
+
 /// Runs of letters of any alphabet, in lower case, and of digits, without leading zeros: "Cam_01b"
 /// is cam, 1, b.
 std::vector<std::string> tokens(const std::string& text);

@@ -38,6 +38,8 @@ Expected<Material> Gatherer::run() {
     if (!found) return tl::unexpected(found.error());
     if (auto done = sort_out(*found); !done) return tl::unexpected(done.error());
     if (auto done = gather_frames(); !done) return tl::unexpected(done.error());
+    if (auto done = drop_other_names(); !done) return tl::unexpected(done.error());
+    take_times();
     drop_other_instants();
     take_numbering();
     if (auto done = look_at_all(); !done) return tl::unexpected(done.error());
@@ -306,26 +308,33 @@ void Gatherer::drop_other_instants() {
     for (const std::string& camera : others.cameras) {
         const auto& pictures = material_.frames.at(camera).pictures;
         const std::string& name = known_name(camera, folders_.originals);
-        problem(
-            fmt::format("camera '{0}' left out: its pictures have the numbers {1}, the others "
-                        "{2}, and pictures of one number are one instant: give its pictures "
-                        "the numbers of the others, or say --cameras '!{0}'",
-                        name,
-                        numbers_text(pictures.begin()->first, pictures.rbegin()->first),
-                        numbers_text(others.first, others.last)));
+        const bool is_time = numbering_.times.has_value();
+        problem(fmt::format(
+            "camera '{0}' left out: its pictures have the {1} {2}, the others {3}, and pictures of "
+            "one {4} are one instant: {5}, or say --cameras '!{0}'",
+            name,
+            is_time ? "times" : "numbers",
+            numbering_.text(pictures.begin()->first, pictures.rbegin()->first),
+            numbering_.text(others.first, others.last),
+            is_time ? "time" : "number",
+            is_time ? "set its clock as those of the others and record again"
+                    : "give its pictures the numbers of the others"));
         material_.frames.erase(camera);
     }
     for (const auto& [camera, shots] : material_.frames) with_frames_.push_back(camera);
 }
 
 void Gatherer::take_numbering() {
-    numbering_ = numbering_of(material_.frames);
-    if (numbering_.step < 2) return;
-    count_by_one(material_.frames, numbering_);
-    check(
-        fmt::format("instants: the numbers of the pictures go in steps of {}; they are taken as "
-                    "following each other, and --rate is how many there are per second",
-                    numbering_.step));
+    if (!numbering_.times) numbering_ = numbering_of(material_.frames);
+    if (numbering_.step > 1) {
+        count_by_one(material_.frames, numbering_);
+        check(
+            fmt::format("instants: the numbers of the pictures go in steps of {}; they are taken "
+                        "as following each other, and --rate is how many there are per second",
+                        numbering_.step));
+    }
+    if (std::string doubt = doubt_of_sparse_numbers(material_.frames, numbering_); !doubt.empty())
+        problem(std::move(doubt));
 }
 
 // Pictures of one number are one instant; a metaframe needs all cameras.

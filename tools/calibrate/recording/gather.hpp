@@ -44,7 +44,8 @@ struct Material {
     std::vector<std::string> told;
     std::vector<std::string> checks;    // assumptions, with the option that changes them
     std::vector<std::string> problems;  // that make a site fail, or lose people; with the cure
-    double rate_hz = 0.0;               // of the videos; 0: unknown
+    double rate_hz = 0.0;               // of the videos, else of the times; 0: unknown
+    bool is_rate_of_times = false;      // in the names of the pictures
 };
 
 /// Finds frames, backgrounds and masks of these cameras. Errors of `find_shots` and `match_shots`,

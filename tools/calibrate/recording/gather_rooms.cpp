@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 namespace atrium::calibrate {
 namespace {
@@ -15,6 +17,13 @@ constexpr std::size_t kFewestToLearnFrom = 8;
 
 std::filesystem::path first_file(const Shots& shots) {
     return shots.is_video ? shots.path : shots.pictures.begin()->second;
+}
+
+// The pictures of an empty room have no instants, and a site reads them one after another.
+void count_without_gaps(Shots& room) {
+    std::map<std::size_t, std::filesystem::path> counted;
+    for (auto& [number, file] : room.pictures) counted.emplace(counted.size(), std::move(file));
+    room.pictures = std::move(counted);
 }
 
 }  // namespace
@@ -43,6 +52,7 @@ Expected<void> Gatherer::gather_backgrounds() {
         with_frames_, rooms_, names_, "name the folder of one empty room with --background");
     if (!matches) return make_error(matches.error().kind, "background: " + matches.error().message);
     material_.backgrounds = std::move(matches->by_camera);
+    for (auto& [camera, room] : material_.backgrounds) count_without_gaps(room);
     if (!material_.masks.empty()) return {};
     if (auto fitting = check_background_sizes(material_); !fitting) return fitting;
     if (auto other = check_that_rooms_differ(); !other) return other;

@@ -29,6 +29,8 @@ private:
     void doubt_markers(const std::vector<std::string>& without);
     Expected<void> gather_frames();
     void report_missing(const std::vector<std::string>& unused);
+    Expected<void> drop_other_names();
+    void take_times();
     void drop_other_instants();
     void take_numbering();
     Expected<void> look_at_all();

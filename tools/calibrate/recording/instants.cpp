@@ -1,22 +1,18 @@
 #include "tools/calibrate/recording/instants.hpp"
 
+#include "tools/calibrate/recording/picture_times.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
 #include <numeric>
 #include <set>
+#include <utility>
 #include <vector>
 
 namespace atrium::calibrate {
 namespace {
-
-// Of pictures that were counted by one: the numbers in their files' names.
-std::string range_text(std::size_t first, std::size_t last, const Numbering& files) {
-    first = files.first + (first - files.first) * files.step;
-    last = files.first + (last - files.first) * files.step;
-    return numbers_text(first, last);
-}
 
 // "7, 12 to 14", and how many more ranges there are. `missing` and `all` ascend.
 std::string missing_text(const std::vector<std::size_t>& missing,
@@ -32,31 +28,125 @@ std::string missing_text(const std::vector<std::size_t>& missing,
         // numbers that no camera has do not end a range
         while (last + 1 < missing.size() && *++at == missing[last + 1]) ++last;
         if (++num_ranges <= kMaxRanges)
-            text += (text.empty() ? "" : ", ") + range_text(missing[i], missing[last], files);
+            text += (text.empty() ? "" : ", ") + files.text(missing[i], missing[last]);
         i = last + 1;
     }
     if (num_ranges > kMaxRanges) text += fmt::format(" and {} more gaps", num_ranges - kMaxRanges);
     return text;
 }
 
+// 1 if the steps differ, or for few numbers.
+std::size_t step_of(const std::vector<std::uint64_t>& numbers) {
+    constexpr std::size_t kFewest = 4;
+    if (numbers.size() < kFewest) return 1;
+    std::uint64_t step = 0;
+    for (const std::uint64_t number : numbers) step = std::gcd(step, number - numbers.front());
+    return step;
+}
+
+// Whether the names of all pictures have times, or look like them.
+std::optional<Numbering::Times> times_of(const std::map<std::string, Shots>& shots) {
+    CameraTimes cameras;
+    std::vector<std::vector<std::uint64_t>> numbers;
+    bool have_times = true;
+    std::string unit;
+    for (const auto& [camera, one] : shots) {
+        if (one.is_video || one.pictures.empty()) continue;
+        have_times = have_times && !one.time_unit.empty();
+        unit = one.time_unit;
+        std::vector<std::uint64_t>& own = numbers.emplace_back();
+        for (const auto& [number, file] : one.pictures) own.push_back(number);
+        cameras[camera] = own;
+    }
+    Numbering::Times times{unit, !have_times, 1, {}, {}};
+    if (!have_times) {
+        const auto num_even =
+            std::ranges::count_if(numbers, [](const auto& own) { return step_of(own) > 1; });
+        if (2 * num_even >= std::ssize(numbers)) return std::nullopt;
+        const auto looks_like = unit_of_numbers(numbers);
+        if (!looks_like) return std::nullopt;
+        times.unit = looks_like->name;
+        times.nanoseconds = looks_like->nanoseconds;
+        for (auto& [camera, own] : cameras)
+            for (std::uint64_t& number : own) number *= times.nanoseconds;
+    }
+    auto grid = grid_of(cameras);
+    if (!grid) return std::nullopt;
+    times.grid = std::move(*grid);
+    for (const auto& [camera, own] : times.grid.numbers)
+        for (const auto& [time, number] : own)
+            times.names.emplace(
+                number, shots.at(camera).pictures.at(time / times.nanoseconds).stem().string());
+    return times;
+}
+
+// By the times of the frames, which masks share.
+void count_times(std::map<std::string, Shots>& shots, const Numbering::Times& times) {
+    std::size_t num = 0;
+    std::map<std::string, std::map<std::size_t, std::filesystem::path>> counted;
+    std::size_t num_counted = 0;
+    for (const auto& [camera, one] : shots) {
+        num += one.pictures.size();
+        const auto numbers = times.grid.numbers.find(camera);
+        if (numbers == times.grid.numbers.end()) continue;
+        for (const auto& [number, file] : one.pictures) {
+            const auto found = numbers->second.find(number * times.nanoseconds);
+            if (found == numbers->second.end()) continue;
+            counted[camera][found->second] = file;
+            ++num_counted;
+        }
+    }
+    if (2 * num_counted < num) return;
+    for (auto& [camera, one] : shots)
+        if (const auto own = counted.find(camera); own != counted.end())
+            one.pictures = std::move(own->second);
+}
+
 }  // namespace
 
+std::string Numbering::text(std::size_t from, std::size_t to) const {
+    if (times) {
+        const auto name_of = [&](std::size_t number) {
+            const auto found = times->names.find(number);
+            return found == times->names.end() ? fmt::format("instant {}", number) : found->second;
+        };
+        return from == to ? name_of(from) : fmt::format("{} to {}", name_of(from), name_of(to));
+    }
+    const std::size_t begin = first + (from - first) * step;
+    const std::size_t end = first + (to - first) * step;
+    return begin == end ? fmt::format("{}", begin) : fmt::format("{} to {}", begin, end);
+}
+
 Numbering numbering_of(const std::map<std::string, Shots>& shots) {
-    constexpr std::size_t kFewest = 4;
     std::set<std::size_t> numbers;
     for (const auto& [camera, one] : shots)
         for (const auto& [number, file] : one.pictures) numbers.insert(number);
     if (numbers.empty()) return {};
     Numbering result{*numbers.begin(), 1};
-    if (numbers.size() < kFewest) return result;
-    std::size_t step = 0;
-    for (const std::size_t number : numbers) step = std::gcd(step, number - result.first);
-    result.step = step;
+    result.times = times_of(shots);
+    if (!result.times) result.step = step_of({numbers.begin(), numbers.end()});
     return result;
 }
 
-std::string numbers_text(std::size_t first, std::size_t last) {
-    return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
+std::string doubt_of_sparse_numbers(const std::map<std::string, Shots>& shots,
+                                    const Numbering& files) {
+    constexpr std::size_t kFewest = 4;
+    std::set<std::size_t> numbers;
+    for (const auto& [camera, one] : shots)
+        for (const auto& [number, file] : one.pictures) numbers.insert(number);
+    if (numbers.size() < kFewest) return {};
+    const std::size_t num_instants = *numbers.rbegin() - *numbers.begin() + 1;
+    if (2 * numbers.size() >= num_instants) return {};
+    return fmt::format(
+        "instants: only {} of {} instants from {} have pictures, because each number between is an "
+        "instant: {}",
+        numbers.size(),
+        num_instants,
+        files.text(*numbers.begin(), *numbers.rbegin()),
+        files.times ? "the cameras paused; give the pictures of each part a folder of its own, and "
+                      "import it alone"
+                    : "the site waits for each of them; renumber the pictures without gaps, the "
+                      "same instant with the same number");
 }
 
 OtherInstants find_other_instants(const std::map<std::string, Shots>& frames) {
@@ -88,6 +178,7 @@ OtherInstants find_other_instants(const std::map<std::string, Shots>& frames) {
 }
 
 void count_by_one(std::map<std::string, Shots>& shots, const Numbering& numbering) {
+    if (numbering.times) return count_times(shots, *numbering.times);
     if (numbering.step < 2) return;
     std::size_t first = std::numeric_limits<std::size_t>::max();
     for (const auto& [camera, one] : shots)
@@ -143,11 +234,11 @@ Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames,
     for (const auto& [camera, shots] : frames) {
         if (shots.is_video || shots.pictures.empty()) continue;
         for (const auto& [number, file] : shots.pictures) numbers.insert(number);
-        ranges += fmt::format(
-            "{}{} of '{}'",
-            ranges.empty() ? "" : ", ",
-            range_text(shots.pictures.begin()->first, shots.pictures.rbegin()->first, files),
-            camera);
+        ranges +=
+            fmt::format("{}{} of '{}'",
+                        ranges.empty() ? "" : ", ",
+                        files.text(shots.pictures.begin()->first, shots.pictures.rbegin()->first),
+                        camera);
     }
     if (numbers.empty()) return Instants{};
     const std::vector<std::size_t> all(numbers.begin(), numbers.end());
@@ -166,19 +257,27 @@ Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames,
                             missing_text(missing, all, files));
     }
     if (numbers.empty()) {
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("the pictures have no number in common, so no two are of one "
-                                      "instant: {}; renumber them, the same instant with the same "
-                                      "number, or leave cameras out: --cameras '!NAME'",
-                                      ranges));
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("the pictures have no {} in common, so no two are of one "
+                        "instant: {}; {}, or leave cameras out: --cameras '!NAME'",
+                        files.times ? "time" : "number",
+                        ranges,
+                        files.times ? "the clocks of the cameras differ: set them and record "
+                                      "again, or number the pictures instead, the same "
+                                      "instant with the same number"
+                                    : "renumber them, the same instant with the same "
+                                      "number"));
     }
     Instants result{*numbers.begin(), {}};
     if (!gaps.empty()) {
         result.doubt = fmt::format(
-            "instants: pictures of one number are one instant, and {} of {} instants are complete; "
-            "the site leaves the others out. By the numbers in the files' names, {}",
+            "instants: pictures of one {} are one instant, and {} of {} instants are complete; "
+            "the site leaves the others out. By the {} in the files' names, {}",
+            files.times ? "time" : "number",
             numbers.size(),
             all.size(),
+            files.times ? "times" : "numbers",
             gaps);
     }
     return result;

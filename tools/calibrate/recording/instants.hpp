@@ -2,8 +2,10 @@
 
 #include "core/base/expected.hpp"
 #include "tools/calibrate/recording/shots.hpp"
+#include "tools/calibrate/recording/time_grid.hpp"
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,17 +17,34 @@ struct Instants {
     std::string doubt;               // empty if every number is complete
 };
 
-/// How the numbers of a recording count its instants: FIRST, FIRST + step, FIRST + 2 step, ...
+/// How the numbers of a recording count its instants: FIRST, FIRST + step, FIRST + 2 step, ...; or
+/// they are times.
 struct Numbering {
     std::size_t first = 0;
     std::size_t step = 1;
+
+    /// Of times.
+    struct Times {
+        std::string unit;
+        bool is_guessed = false;                   // plain numbers that look like times
+        std::uint64_t nanoseconds = 1;             // of one unit of the numbers
+        TimeGrid grid;                             // times in nanoseconds
+        std::map<std::size_t, std::string> names;  // of a picture of each instant
+        double rate_hz() const { return 1e9 / grid.period_ns; }
+    };
+    std::optional<Times> times = {};
+
+    /// "7" or "7 to 9": instants FIRST and LAST, counted by one, as the files are named.
+    std::string text(std::size_t from, std::size_t to) const;
 };
-/// The numbering of the pictures of all cameras together. Every tenth picture of a film, or names
-/// in milliseconds, make steps above 1. Fewer than four numbers are no pattern.
+/// The numbering of the pictures of all cameras together. Times are those that all cameras with
+/// pictures have in their names, or numbers with about equal steps that look like times. Every
+/// tenth picture of a film makes steps above 1. Fewer than four numbers are no pattern.
 Numbering numbering_of(const std::map<std::string, Shots>& shots);
 
-/// "7" or "7 to 9".
-std::string numbers_text(std::size_t first, std::size_t last);
+/// Names the cause and cure if less than half of the numbers, counted by one, have pictures.
+std::string doubt_of_sparse_numbers(const std::map<std::string, Shots>& shots,
+                                    const Numbering& files);
 
 /// The cameras whose pictures have no number in common with those of most cameras.
 struct OtherInstants {
@@ -38,7 +57,8 @@ struct OtherInstants {
 OtherInstants find_other_instants(const std::map<std::string, Shots>& frames);
 
 /// Numbers the pictures FIRST, FIRST + 1, ... instead. Those of another numbering with the same
-/// steps, such as masks, from their own first one. Without effect if the steps differ.
+/// steps, such as masks, from their own first one. Without effect if the steps differ, or if most
+/// pictures have other times.
 void count_by_one(std::map<std::string, Shots>& shots, const Numbering& numbering);
 
 /// Compares the numbers of the pictures, by camera; videos have none. Error kConfiguration if no

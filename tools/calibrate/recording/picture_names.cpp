@@ -1,23 +1,20 @@
 #include "tools/calibrate/recording/picture_names.hpp"
 
+#include "tools/calibrate/names/name_parts.hpp"
+#include "tools/calibrate/recording/picture_times.hpp"
+
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <utility>
 
 namespace atrium::calibrate {
 namespace {
 
 constexpr std::size_t kFewestOfTail = 3;
-constexpr std::size_t kMostDigits = 18;
+constexpr std::size_t kMostDigits = 19;  // nanoseconds since 1970
 
 bool is_digit_of_name(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
-bool separates(char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }
-
-std::string without_separators_at_end(std::string text) {
-    while (!text.empty() && separates(text.back())) text.pop_back();
-    return text;
-}
 
 // Splits at the last number; without one, or with one that is too long, all is prefix.
 PictureName split_at_number(const std::string& name) {
@@ -26,7 +23,7 @@ PictureName split_at_number(const std::string& name) {
     while (begin != name.begin() && is_digit_of_name(*(begin - 1))) --begin;
     const auto num_digits = static_cast<std::size_t>(end - begin);
     if (num_digits == 0 || num_digits > kMostDigits) return {name, 0, {}};
-    return {without_separators_at_end({name.begin(), begin}),
+    return {without_separators_behind({name.begin(), begin}),
             static_cast<std::size_t>(std::stoull(std::string(begin, end))),
             {end, name.end()}};
 }
@@ -47,6 +44,7 @@ bool all_end_with_one_number(const std::vector<PictureName>& names) {
 }  // namespace
 
 std::vector<PictureName> split_names(const std::vector<std::string>& names) {
+    if (auto timed = split_at_times(names)) return std::move(*timed);
     std::vector<PictureName> result;
     std::map<std::string, std::size_t> num_of_tail;
     for (const std::string& name : names) {
@@ -59,7 +57,7 @@ std::vector<PictureName> split_names(const std::vector<std::string>& names) {
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
         const std::string& tail = result[i].tail;
-        if (tail.empty() || (separates(tail[0]) && num_of_tail[tail] >= kFewestOfTail)) continue;
+        if (tail.empty() || (is_separator(tail[0]) && num_of_tail[tail] >= kFewestOfTail)) continue;
         result[i] = {names[i], 0, {}};
     }
     return result;

@@ -179,6 +179,7 @@ private:
             const bool is_mask = has_word_of(kMasks, stem) || has_suffix(stem, kPictures);
             const Sequence of{split[i].prefix, split[i].tail, is_mask};
             sequences[of].pictures[split[i].number] = pictures[i];
+            sequences[of].time_unit = split[i].time_unit;
             prefixes.insert(of.prefix);
             tails.insert(of.tail);
         }

@@ -18,6 +18,7 @@ struct Shots {
     std::map<std::size_t, std::filesystem::path> pictures;  // by number; empty for a video
     /// Path below the searched folder without the numbers: what names the camera.
     std::string label;
+    std::string time_unit = {};  // "milliseconds", ...: the numbers are times in nanoseconds
     bool is_alone = false;       // one picture out of a folder that may also be a sequence
     bool is_background = false;  // by a word in its label: "empty", "bg", ...
     bool is_static = false;      // the same, by the word "static" alone: may show a person

@@ -15,19 +15,12 @@ namespace {
 
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-bool is_separator(char c) { return !is_letter(c) && !is_digit(c); }
-
 // Whether a name may be cut at this place: not inside a word or a number.
 bool is_between_words(const std::string& name, std::size_t at) {
     if (at == 0 || at >= name.size()) return true;
     const char before = name[at - 1];
     const char after = name[at];
     return is_separator(before) || is_separator(after) || is_digit(before) != is_digit(after);
-}
-
-std::string without_separators_behind(std::string name) {
-    while (!name.empty() && is_separator(name.back())) name.pop_back();
-    return name;
 }
 
 std::string common_beginning(const std::string& a, const std::string& b) {
