@@ -201,6 +201,33 @@ LearnedRoom Camera::finish() {
     return learned;
 }
 
+// Whether no camera has a picture at most instants: the files' numbers count on without pictures.
+bool are_numbers_sparse(const OccupiedRoom& seen, std::size_t num_instants) {
+    std::size_t num_empty = 0;
+    for (std::size_t i = 0; i < num_instants; ++i) {
+        const bool is_empty = std::ranges::all_of(seen.pictures, [&](const auto& views) {
+            return i >= views.size() || views[i].width() == 0;
+        });
+        num_empty += is_empty ? 1 : 0;
+    }
+    return 2 * num_empty > num_instants;
+}
+
+tl::unexpected<Error> too_few_pictures(std::size_t num_pictures,
+                                       std::size_t num_instants,
+                                       bool is_sparse) {
+    const std::string instants =
+        is_sparse ? " of " + std::to_string(num_instants) + " instants have" : "";
+    return make_error(
+        ErrorKind::kNotFound,
+        "only " + std::to_string(num_pictures) + instants +
+            " pictures, but a room with people in it needs at least " +
+            std::to_string(kMinOccupiedPictures) +
+            (is_sparse ? ": number the pictures of the recording without gaps, as `calibrate "
+                         "import` does, or record the empty room (background.*)"
+                       : ": record for longer, or record the empty room (background.*)"));
+}
+
 }  // namespace
 
 std::vector<Expected<LearnedRoom>> learn_occupied_room(
@@ -246,12 +273,8 @@ std::vector<Expected<LearnedRoom>> learn_occupied_room(
         if (stop.stop_requested()) {
             learned.push_back(make_error(ErrorKind::kUnavailable, "stopped while learning"));
         } else if (!cameras[c].has_enough()) {
-            learned.push_back(
-                make_error(ErrorKind::kNotFound,
-                           "only " + std::to_string(cameras[c].num_pictures()) +
-                               " pictures, but a room with people in it needs at least " +
-                               std::to_string(kMinOccupiedPictures) +
-                               ": record for longer, or record the empty room (background.*)"));
+            learned.push_back(too_few_pictures(
+                cameras[c].num_pictures(), num_instants, are_numbers_sparse(seen, num_instants)));
         } else {
             learned.push_back(cameras[c].finish());
         }

@@ -148,6 +148,18 @@ TEST(OccupiedRoom, NamesACameraWithTooFewPictures) {
     EXPECT_THAT(learned[1].error().message, HasSubstr("only 5 pictures"));
 }
 
+TEST(OccupiedRoom, NamesInstantsWithoutPictures) {
+    OccupiedRoom seen = moving_film().seen();
+    for (auto& views : seen.pictures)
+        for (std::size_t i = 0; i < kInstants; ++i)
+            if (i % 10 != 0) views[i] = {};
+    const auto learned = learn_occupied_room(seen, {}, [](std::size_t, std::size_t) {}, {});
+    ASSERT_FALSE(learned[0]);
+    EXPECT_THAT(learned[0].error().message,
+                HasSubstr(" of " + std::to_string(kInstants) + " instants have pictures"));
+    EXPECT_THAT(learned[0].error().message, HasSubstr("number the pictures of the recording"));
+}
+
 TEST(OccupiedRoom, StopsEarly) {
     std::stop_source stop;
     stop.request_stop();

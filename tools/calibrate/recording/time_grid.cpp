@@ -125,18 +125,35 @@ Together put_together(const TimesOf& cameras, const Comb& comb) {
 
 // Turns of the instants over time: slow, without jumps. By centre of a window.
 std::map<double, double> turns_of(const Windows& phases, const Comb& comb) {
-    std::map<double, double> turns;
-    double former = 0.0;
+    constexpr double kGain = 0.3;
+    std::vector<double> turns;
+    double slope = 0.0;  // per window
+    std::int64_t former = 0;
     for (const auto& [index, phase] : phases) {
-        Phase smooth = phase;
-        for (const std::int64_t beside : {index - 1, index + 1})
-            if (const auto found = phases.find(beside); found != phases.end())
-                smooth += found->second;
-        const double turn = std::arg(smooth) / kTurn;
-        former = turns.empty() ? turn : former + std::remainder(turn - former, 1.0);
-        turns[comb.centre_of(index)] = former;
+        double turn = std::arg(phase) / kTurn;
+        if (!turns.empty()) {
+            const auto gap = static_cast<double>(index - former);
+            const double expected = turns.back() + slope * gap;
+            turn = expected + std::remainder(turn - expected, 1.0);
+            slope += kGain * ((turn - turns.back()) / gap - slope);
+        }
+        turns.push_back(turn);
+        former = index;
     }
-    return turns;
+    std::map<double, double> smooth;
+    std::size_t i = 0;
+    for (auto here = phases.begin(); here != phases.end(); ++here, ++i) {
+        const auto& [index, phase] = *here;
+        double& turn = smooth[comb.centre_of(index)];
+        turn = turns[i];
+        const auto before = phases.find(index - 1);
+        const auto after = phases.find(index + 1);
+        if (before == phases.end() || after == phases.end()) continue;
+        const double weight = std::min(std::abs(before->second), std::abs(after->second));
+        const double own = std::abs(phase);
+        turn = (turns[i] * own + (turns[i - 1] + turns[i + 1]) * weight) / (own + 2.0 * weight);
+    }
+    return smooth;
 }
 
 // The mean change of turns, per time. Windows with a gap between them say nothing.
