@@ -73,7 +73,7 @@ void expect_true(const Taken& taken, const TimeGrid& grid) {
 
 TEST(TimeGrid, OfManyRandomCamerasIsTheTruth) {
     Random random(31);
-    for (int round = 0; round < 400; ++round) {
+    for (int round = 0; round < 200; ++round) {
         const int num_cameras = between(random, 2, 9);
         const int num_instants = between(random, 12, 400);
         const double rate_hz = std::pow(10.0, between(random, 0.0, 2.0));
@@ -106,7 +106,7 @@ TEST(TimeGrid, BearsAThirdOfAPeriodOfJitter) {
 
 TEST(TimeGrid, FollowsAPeriodThatChangesSlowly) {
     Random random(33);
-    for (int round = 0; round < 20; ++round) {
+    for (int round = 0; round < 8; ++round) {
         const Taken taken = take_pictures(
             random, 3, 5000, 30.0, {.jitter = 0.15, .offset = 0.1, .lost = 0.1, .drift = 0.05});
         const auto grid = grid_of(taken.times);

@@ -143,10 +143,11 @@ std::string doubt_of_sparse_numbers(const std::map<std::string, Shots>& shots,
         numbers.size(),
         num_instants,
         files.text(*numbers.begin(), *numbers.rbegin()),
-        files.times ? "the cameras paused; give the pictures of each part a folder of its own, and "
-                      "import it alone"
-                    : "the site waits for each of them; renumber the pictures without gaps, the "
-                      "same instant with the same number");
+        files.times
+            ? "the cameras paused; give the pictures of each part a folder of its own, and "
+              "import it alone"
+            : "the site shows nobody at the others; renumber the pictures without gaps, the "
+              "same instant with the same number");
 }
 
 OtherInstants find_other_instants(const std::map<std::string, Shots>& frames) {

@@ -57,6 +57,22 @@ Windows phases_of(const Times& times, const Comb& comb) {
     return windows;
 }
 
+// Of the phases of each window, without a map of them.
+double squares_of_sums(const Times& times, const Comb& comb) {
+    double squares = 0.0;
+    Phase sum;
+    double end = 0.0;
+    for (const double time : times) {
+        if (time >= end) {
+            squares += std::norm(sum);
+            sum = {};
+            end = static_cast<double>(comb.window_of(time) + 1) * comb.window;
+        }
+        sum += std::polar(1.0, kTurn * std::fmod(time / comb.period, 1.0));
+    }
+    return squares + std::norm(sum);
+}
+
 // The period near the median step that makes the longest sums. Half of it would make them, too.
 double find_period(const TimesOf& cameras, double median) {
     constexpr double kFirst = 0.7;
@@ -66,10 +82,9 @@ double find_period(const TimesOf& cameras, double median) {
     double most = -1.0;
     for (int i = 0; i <= kSteps; ++i) {
         const double period = median / (kFirst + (kLast - kFirst) * i / kSteps);
+        const Comb comb{period, kPeriodsOfWindow * median};
         double sum = 0.0;
-        for (const auto& [camera, times] : cameras)
-            for (const auto& [index, phase] : phases_of(times, {period, kPeriodsOfWindow * median}))
-                sum += std::norm(phase);
+        for (const auto& [camera, times] : cameras) sum += squares_of_sums(times, comb);
         if (sum <= most) continue;
         most = sum;
         best = period;
