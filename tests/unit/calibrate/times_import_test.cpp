@@ -170,6 +170,29 @@ TEST_F(ImportedTimes, AreCheckedAgainstTheRateThatIsSaid) {
                                    "the pictures 15")));
 }
 
+TEST_F(ImportedTimes, OfACameraThatIsLateOrTakesMoreAreNamed) {
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 20; ++i) {
+            const int ms = 80 * i + (camera == 3 ? 32 : 0);
+            const std::string folder = fmt::format("cam{}/", camera);
+            const auto name = [&](int at) {
+                return folder + unix_ms(static_cast<std::uint64_t>(at)) + ".png";
+            };
+            write_picture(take(name(ms)), 64, 48, 40);
+            if (camera == 1 && i < 3) write_picture(take(name(ms + 30)), 64, 48, 40);
+        }
+    }
+    const auto report = import(options_);
+    ASSERT_TRUE(report);
+    EXPECT_THAT(report->checks,
+                Contains(HasSubstr("3 pictures are not used, because another one "
+                                   "of the same camera is nearer")));
+    EXPECT_THAT(report->checks,
+                Contains(HasSubstr("the times of some cameras differ from the others': 'cam3' by "
+                                   "+3")))
+        << "cam1's three more pictures move it by 2 ms";
+}
+
 TEST_F(ImportedTimes, NotButNumbersWithGapsAreNamed) {
     constexpr std::array kNumbers{3, 4, 90, 91, 92, 300, 800, 801, 802, 1300};
     for (int camera = 1; camera <= 3; ++camera)

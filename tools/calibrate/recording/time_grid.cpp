@@ -229,11 +229,15 @@ TimeGrid place(const CameraTimes& cameras,
                const std::map<double, double>& turns,
                double period) {
     TimeGrid grid;
+    std::vector<double> offsets;
+    for (const auto& [camera, offset] : all.offsets) offsets.push_back(offset);
+    std::ranges::sort(offsets);
+    const double median = offsets[offsets.size() / 2];
     std::map<std::string, std::map<std::int64_t, Placed>> placed;
     std::int64_t first = std::numeric_limits<std::int64_t>::max();
     for (const auto& [camera, of_camera] : times) {
         const double offset = all.offsets.at(camera);
-        grid.offset_ns[camera] = offset * period;
+        grid.offset_ns[camera] = (offset - median) * period;
         for (std::size_t i = 0; i < of_camera.size(); ++i) {
             const double at = of_camera[i] / period - offset - turn_at(turns, of_camera[i]);
             const double nearest = std::round(at);

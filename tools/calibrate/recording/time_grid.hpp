@@ -16,7 +16,7 @@ using CameraTimes = std::map<std::string, std::vector<std::uint64_t>>;
 struct TimeGrid {
     double period_ns = 0.0;
     std::map<std::string, std::map<std::uint64_t, std::size_t>> numbers;  // by camera and time
-    std::map<std::string, double> offset_ns;  // of a camera, from the middle of all
+    std::map<std::string, double> offset_ns;  // of a camera, from the median one
     std::size_t num_beside = 0;  // pictures without number: another one is nearer to the instant
 };
 
