@@ -44,7 +44,7 @@ void doubt_soft_start(const WorldDescription& world,
     }
 }
 
-// `mesh` is that of the soft object, in the world.
+// `mesh` is that of the soft object, in its frame.
 void doubt_ties(const WorldDescription& world,
                 const WorldSoftObject& soft,
                 const physics::SoftMesh& mesh,
@@ -56,10 +56,11 @@ void doubt_ties(const WorldDescription& world,
         double nearest_m = std::numeric_limits<double>::infinity();
         Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
         for (const std::uint32_t node : physics::nodes_at(mesh, soft.object, pin)) {
-            const double far_m = distance_m(mesh.nodes[node], object->rigid);
+            const Eigen::Vector3d at_m = soft.object.world_from_object * mesh.nodes[node];
+            const double far_m = distance_m(at_m, object->rigid);
             if (far_m >= nearest_m) continue;
             nearest_m = far_m;
-            place_m = mesh.nodes[node];
+            place_m = at_m;
         }
         if (nearest_m <= kFarAnchor_m) continue;
         lines.push_back(
@@ -79,9 +80,9 @@ void doubt_ties(const WorldDescription& world,
 void doubt_soft(const WorldDescription& world, std::vector<std::string>& lines) {
     for (const WorldSoftObject& soft : world.soft) {
         physics::SoftMesh mesh = physics::make_soft_mesh(soft.object);
+        doubt_ties(world, soft, mesh, lines);
         for (Eigen::Vector3d& node : mesh.nodes) node = soft.object.world_from_object * node;
         doubt_soft_start(world, soft, mesh, lines);
-        doubt_ties(world, soft, mesh, lines);
     }
 }
 

@@ -128,10 +128,14 @@ void doubt_in_scenery(const WorldDescription& world, std::vector<std::string>& l
             if (depth_m <= kDeepRigid_m) continue;
             lines.push_back(
                 fmt::format("object_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which "
-                            "is solid scenery: {}\"",
+                            "is solid scenery of {:.2g} x {:.2g} x {:.2g} m: check its scale, or, "
+                            "if that is right: {}\"",
                             object.name,
                             depth_m,
                             scenery.name,
+                            scenery.box.size().x(),
+                            scenery.box.size().y(),
+                            scenery.box.size().z(),
                             cure_of(object, depth_of)));
         }
     }
@@ -223,9 +227,10 @@ void doubt_anchors(const WorldDescription& world, std::vector<std::string>& line
         };
         const double from_a_m = distance_m(joint.anchor_m, a->rigid);
         if (b == nullptr) {
-            // anything may hang from afar, but hardly from the place that is right in its own frame
-            if (from_a_m > kFarAnchor_m &&
-                local_distance_m(joint.anchor_m, a->rigid) <= kNearAnchor_m)
+            // anything may hang from afar, but hardly from the place that is right in its own
+            // frame, or near by from the world's origin
+            const double allowed_m = joint.anchor_m.isZero(0.0) ? kNearAnchor_m : kFarAnchor_m;
+            if (from_a_m > allowed_m && local_distance_m(joint.anchor_m, a->rigid) <= kNearAnchor_m)
                 doubt("anchor_m", joint.anchor_m, from_a_m, a->name);
             continue;
         }

@@ -220,6 +220,12 @@ TEST_F(WorldDoubts, NameAnAnchorInTheFrameOfItsObject) {
     EXPECT_THAT(doubts(hinge + "anchor_m = [3.55, 2, 2.2]\n"), IsEmpty()) << "hangs from above";
     EXPECT_THAT(doubts(hinge + "anchor_m = [1, 0, 0]\n"), IsEmpty())
         << "outside the crate in its frame, too";
+    const std::string near_hinge = box("crate", 1, "position_m = [0.45, 0, 0.2]") +
+                                   "[[joint]]\na = \"crate\"\nkind = \"hinge\"\naxis = [0, 0, 1]\n";
+    EXPECT_THAT(doubts(near_hinge + "anchor_m = [0, 0, 0]\n"),
+                ElementsAre(HasSubstr("it is a place in the world")))
+        << "the world's origin near by";
+    EXPECT_THAT(doubts(near_hinge + "anchor_m = [0.01, 0, 0]\n"), IsEmpty()) << "meant so";
 }
 
 TEST_F(WorldDoubts, NameGravityThatDoesNotPointDown) {

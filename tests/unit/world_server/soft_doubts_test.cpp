@@ -52,5 +52,23 @@ TEST_F(WorldDoubts, NameATieFarFromItsObject) {
                                       "1.00] is 3 m away from b;")));
 }
 
+TEST_F(WorldDoubts, NameATiedEdgeFarFromItsObject) {
+    const auto flag = [](const std::string& place, const std::string& edge) {
+        return std::string(kFloor) +
+               "[[object]]\nname = \"mast\"\nshape = \"box\"\nsize_m = [0.1, 0.1, 3]\n"
+               "mass_kg = 9\nposition_m = [0, 0, 1.51]\n"
+               "[[soft]]\nname = \"flag\"\nshape = \"cloth\"\nsize_m = [0.8, 0.4]\n"
+               "mass_kg = 0.1\ntied = [\"" +
+               edge + "\"]\ntied_to = \"mast\"\nposition_m = [" + place + "]\n";
+    };
+    EXPECT_THAT(doubts(flag("0.46, 0, 2", "left")), IsEmpty());
+    EXPECT_THAT(doubts(flag("-0.46, 0, 2", "right")), IsEmpty());
+    EXPECT_THAT(doubts(flag("0, 0, 3.21", "bottom")), IsEmpty());
+    EXPECT_THAT(doubts(flag("2.95, 0, 2", "left")),
+                ElementsAre(HasSubstr("tied at [2.55, 0.00, ")));
+    EXPECT_THAT(doubts(flag("2.95, 0, 2", "left")),
+                ElementsAre(HasSubstr("is 2.5 m away from mast")));
+}
+
 }  // namespace
 }  // namespace atrium::world_server
