@@ -1,6 +1,7 @@
 #include "site_node/capture/picture_file.hpp"
 
 #include "core/base/readable.hpp"
+#include "site_node/capture/lost_pictures.hpp"
 #include "site_node/capture/mask_values.hpp"
 #include "site_node/capture/truncated_picture.hpp"
 #include "site_node/capture/video_length.hpp"
@@ -115,6 +116,7 @@ struct PictureFile::Impl {
     bool is_video = false;
     std::size_t num_pictures = 0;
     std::size_t num_in_header = 0;  // of a video
+    LostPictures lost;              // of a video; other numbers here count without them
     std::string damage;             // of a video: why it ended early, once that is known
     std::size_t next_in_video = 0;
     bool has_failed = false;      // a picture of a video, before others
@@ -219,7 +221,13 @@ struct PictureFile::Impl {
 
     Expected<void> read(std::size_t index, int mode) {
         try {
-            return is_video ? read_video(index) : read_image(index, mode);
+            if (!is_video) return read_image(index, mode);
+            if (lost.has(index)) {
+                return make_error(
+                    ErrorKind::kNotFound,
+                    fmt::format("{}: the camera lost picture {}", path.string(), index));
+            }
+            return read_video(lost.num_before(index));
         } catch (const cv::Exception& e) {
             return make_error(ErrorKind::kInvalidData,
                               fmt::format("{}: {}", path.string(), e.what()));
@@ -254,6 +262,9 @@ Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::strin
         }
         impl.num_in_header =
             static_cast<std::size_t>(std::max(0.0, impl.video.get(cv::CAP_PROP_FRAME_COUNT)));
+        impl.lost = lost_pictures(impl.path);
+        if (impl.num_in_header >= impl.lost.num_pictures)
+            impl.num_in_header -= impl.lost.numbers.size();
         impl.num_pictures = num_whole_pictures(impl.path, impl.num_in_header);
         return file;
     }
@@ -285,12 +296,17 @@ PictureFile PictureFile::of(const fs::path& picture) {
 
 const fs::path& PictureFile::path() const { return impl_->path; }
 bool PictureFile::is_video() const { return impl_->is_video; }
-std::size_t PictureFile::num_pictures() const { return impl_->num_pictures; }
+std::size_t PictureFile::num_pictures() const { return impl_->lost.end_of(impl_->num_pictures); }
 
-std::string PictureFile::why_shorter() const {
-    if (!impl_->is_video || impl_->num_pictures >= impl_->num_in_header) return {};
-    return impl_->path.string() + ": " +
-           text_of_truncated_video(impl_->num_pictures, impl_->num_in_header);
+bool PictureFile::has_lost(std::size_t index) const { return impl_->lost.has(index); }
+
+std::string PictureFile::what_is_missing() const {
+    if (!impl_->is_video) return {};
+    const std::string text =
+        impl_->num_pictures < impl_->num_in_header
+            ? text_of_truncated_video(impl_->num_pictures, impl_->num_in_header)
+            : text_of_lost_pictures(impl_->lost);
+    return text.empty() ? text : impl_->path.string() + ": " + text;
 }
 
 std::optional<PictureSize> PictureFile::size() {

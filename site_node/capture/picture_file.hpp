@@ -38,9 +38,12 @@ public:
     /// whole pictures if the file is truncated.
     std::size_t num_pictures() const;
 
-    /// Right after `find`: that a video is truncated, with the file, both numbers and the cure;
-    /// else empty.
-    std::string why_shorter() const;
+    /// Right after `find`: that a video is truncated, with the file, both numbers and the cure, or
+    /// which pictures its camera lost; else empty.
+    std::string what_is_missing() const;
+    /// Whether the camera lost this picture of a video (lost_pictures.hpp). `read` does not find
+    /// it.
+    bool has_lost(std::size_t index) const;
 
     /// Size of the first picture, as its file says; nullopt if it cannot be read.
     std::optional<PictureSize> size();

@@ -104,9 +104,9 @@ public:
     }
 
     std::size_t num_frames() const { return pictures_.num_pictures(); }
-    std::string why_shorter() const {
-        const std::string reason = pictures_.why_shorter();
-        return reason.empty() && masks_ ? masks_->why_shorter() : reason;
+    std::string what_is_missing() const {
+        const std::string reason = pictures_.what_is_missing();
+        return reason.empty() && masks_ ? masks_->what_is_missing() : reason;
     }
     bool is_video() const { return pictures_.is_video(); }
     bool has_masks() const { return masks_.has_value(); }
@@ -178,7 +178,7 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
             options.folder / camera.name, camera.intrinsics, options.ignore_silhouettes);
         if (!track) return tl::unexpected(track.error());
         source->num_frames_ = std::max(source->num_frames_, (*track)->num_frames());
-        if (const std::string reason = (*track)->why_shorter();
+        if (const std::string reason = (*track)->what_is_missing();
             options.report_unreadable && !reason.empty())
             options.report_unreadable(fmt::format("camera '{}': {}", camera.name, reason));
         num_with_masks += (*track)->has_masks() ? 1 : 0;
@@ -264,6 +264,7 @@ Expected<void> RecordingSource::show_background_of(std::size_t camera,
     if (!pictures) return tl::unexpected(pictures.error());
     image::YuvImage picture;
     for (std::size_t i = 0; i < pictures->num_pictures() && !stop.stop_requested(); ++i) {
+        if (pictures->has_lost(i)) continue;
         if (auto read = pictures->read(i, picture); !read) {
             // a video header may announce more frames than the file has
             if (i > 0 && pictures->is_video()) break;

@@ -3,7 +3,8 @@
 
     spoil_recording.py RIG.toml FACTOR|invert|opengl|yup    translations in another unit, or extrinsics of another convention
     spoil_recording.py CAMERA black|small|background        silhouettes without anybody, or pictures of half the size
-    spoil_recording.py CAMERA cut|zeros                     frames as an uncompressed video, cut off or with zeros inside
+    spoil_recording.py CAMERA cut|zeros|lost                frames as an uncompressed video, cut off, with zeros inside, or without
+                                                            bytes for pictures 4 to 6
 """
 
 import os
@@ -53,8 +54,8 @@ def spoil_pictures(camera, how):
         make_recording.write_png(os.path.join(camera, kind, name), [row] * make_recording.HEIGHT, channels)
 
 
-def write_video(path, num_pictures):
-    """AVI of grey pictures without compression."""
+def write_video(path, num_pictures, lost=()):
+    """AVI of grey pictures without compression. A lost one is a chunk without bytes."""
     width, height = make_recording.WIDTH, make_recording.HEIGHT
     size = 3 * width * height
 
@@ -64,9 +65,12 @@ def write_video(path, num_pictures):
     head = chunk(b"avih", struct.pack("<14I", 50000, 0, 0, 16, num_pictures, 0, 1, size, width, height, 0, 0, 0, 0))
     stream = chunk(b"strh", b"vidsDIB " + struct.pack("<10I4H", 0, 0, 0, 1, 20, 0, num_pictures, size, 0, 0, 0, 0, width, height))
     stream += chunk(b"strf", struct.pack("<IiiHHIIiiII", 40, width, height, 1, 24, 0, size, 0, 0, 0, 0))
-    picture = chunk(b"00db", bytes([100]) * size)
-    index = b"".join(b"00db" + struct.pack("<III", 16, 4 + i * len(picture), size) for i in range(num_pictures))
-    body = chunk(b"LIST", b"hdrl" + head + chunk(b"LIST", b"strl" + stream)) + chunk(b"LIST", b"movi" + picture * num_pictures)
+    index, pictures = b"", b""
+    for i in range(num_pictures):
+        content = b"" if i in lost else bytes([100]) * size
+        index += b"00db" + struct.pack("<III", 16, 4 + len(pictures), len(content))
+        pictures += chunk(b"00db", content)
+    body = chunk(b"LIST", b"hdrl" + head + chunk(b"LIST", b"strl" + stream)) + chunk(b"LIST", b"movi" + pictures)
     with open(path, "wb") as file:
         file.write(chunk(b"RIFF", b"AVI " + body + chunk(b"idx1", index)))
 
@@ -75,7 +79,9 @@ def spoil_video(camera, how):
     folder = os.path.join(camera, "frames")
     num_pictures = len(os.listdir(folder))
     shutil.rmtree(folder)
-    write_video(folder + ".avi", num_pictures)
+    write_video(folder + ".avi", num_pictures, range(4, 7) if how == "lost" else ())
+    if how == "lost":
+        return
     middle = os.path.getsize(folder + ".avi") // 2
     if how == "cut":
         os.truncate(folder + ".avi", middle - 3 * make_recording.WIDTH * make_recording.HEIGHT // 2)
@@ -86,7 +92,7 @@ def spoil_video(camera, how):
 
 
 if __name__ == "__main__":
-    if sys.argv[2] in ("cut", "zeros"):
+    if sys.argv[2] in ("cut", "zeros", "lost"):
         spoil_video(sys.argv[1], sys.argv[2])
         sys.exit()
     (spoil_rig if sys.argv[1].endswith(".toml") else spoil_pictures)(sys.argv[1], sys.argv[2])

@@ -269,6 +269,8 @@ Expected<void> Gatherer::look_at_all() {
                          look->width,
                          look->height));
         report_truncated(camera, doubt_of_truncation(shots, *look));
+        if (const std::string text = capture::text_of_lost_pictures(look->lost); !text.empty())
+            check(fmt::format("camera '{}': {}: {}", camera, shots.path.string(), text));
         if (!shots.is_video) first = std::min(first, shots.pictures.begin()->first);
         fewest_ = std::min(fewest_, look->num_frames);
         if (look->rate_hz > 0.0) {
