@@ -27,7 +27,7 @@ struct Said {
         std::string camera;
         double metres = 0.0;
     };
-    std::optional<Height> height;            // of a camera above the floor
+    std::vector<Height> heights;             // of cameras above the floor
     std::optional<std::array<int, 2>> size;  // of the pictures: width, height
     double rate_hz = 30.0;
 };

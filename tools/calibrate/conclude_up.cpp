@@ -1,7 +1,9 @@
 #include "tools/calibrate/conclude_up.hpp"
 
+#include "tools/calibrate/conclude_heights.hpp"
 #include "tools/calibrate/judge/choose_up.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
+#include "tools/calibrate/up_text.hpp"
 
 #include <fmt/format.h>
 
@@ -12,43 +14,12 @@ namespace atrium::calibrate {
 namespace {
 
 constexpr double kDegrees = 57.29578;
-constexpr double kOff_deg = 5.0;     // more than the horizon of level pictures is wrong
-constexpr double kLying_deg = 45.0;  // people lie rather than lean
-constexpr double kAlongAxis_deg = 2.0;
+constexpr double kOff_deg = 5.0;      // more than the horizon of level pictures is wrong
+constexpr double kLying_deg = 45.0;   // people lie rather than lean
+constexpr double kSameUp_deg = 15.5;  // near enough to name the cameras that are turned
 constexpr double kIsAxis_deg = 0.01;
 
-double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-    return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegrees;
-}
-
-// "0.00, 1.00, 0.00", without negative zeros.
-std::string numbers_text(const Eigen::Vector3d& v, int digits, const char* between) {
-    const double scale = std::pow(10.0, digits);
-    std::string text;
-    for (const double x : v)
-        text += fmt::format(
-            "{}{:.{}f}", text.empty() ? "" : between, std::round(scale * x) / scale + 0.0, digits);
-    return text;
-}
-
-std::string vector_text(const Eigen::Vector3d& v) { return "(" + numbers_text(v, 2, ", ") + ")"; }
-
 double tilt_deg(const UpChoice& found) { return std::asin(std::min(found.tilt, 1.0)) * kDegrees; }
-
-// The nearest axis, and how far it is from `v`.
-Eigen::Vector3d nearest_axis(const Eigen::Vector3d& v) {
-    int axis = 0;
-    v.cwiseAbs().maxCoeff(&axis);
-    return (v[axis] > 0.0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(axis);
-}
-
-// As --up takes it: "-Y" for an axis, else three numbers.
-std::string option_text(const Eigen::Vector3d& v) {
-    if (degrees_between(v, nearest_axis(v)) > kAlongAxis_deg) return numbers_text(v, 3, ",");
-    int axis = 0;
-    v.cwiseAbs().maxCoeff(&axis);
-    return {v[axis] > 0.0 ? '+' : '-', "XYZ"[axis]};
-}
 
 // What the user says, against the direction along which the pictures are upright.
 void compare(UpConclusion& result, const UpChoice& found, const std::string& said) {
@@ -57,9 +28,8 @@ void compare(UpConclusion& result, const UpChoice& found, const std::string& sai
     if (!found.is_known || off_deg <= std::max(kOff_deg, tilt_deg(found))) return;
     // as good as what was found
     if (found.rival && degrees_between(*result.up, found.rival->up) <= kOff_deg) return;
-    const std::string better =
-        fmt::format("say --up {}, or leave --up out",
-                    found.axis.empty() ? numbers_text(level, 3, ",") : found.axis);
+    const std::string better = fmt::format("say --up {}, or leave --up out",
+                                           found.axis.empty() ? direction_text(level) : found.axis);
     if (off_deg < kLying_deg) {
         result.checks.push_back(
             fmt::format("up: {}, as you say, is {:.0f} degrees off the direction along which the "
@@ -140,22 +110,39 @@ std::string text_of_kept(const UpChoice& found) {
         found.is_known ? option_text(found.up) : "+Y, -Y, ...");
 }
 
-}  // namespace
+// The cameras that roll against `found.up`: "; corner_a rolls by 7 degrees"
+std::string rolled_text(const UpChoice& found, VotedCameras cameras) {
+    std::vector<std::string> names;
+    for (const auto& [camera, degrees] : found.rolled)
+        names.push_back(fmt::format("{} by {:.0f}", cameras[camera].name, degrees));
+    if (names.empty()) return {};
+    return fmt::format("; {} {} degrees",
+                       names.size() == 1 ? "one camera rolls," : "cameras roll,",
+                       enumerated(names));
+}
 
-UpConclusion conclude_up(const ForeignRig& foreign,
-                         std::span<const geometry::CalibratedCamera> cameras,
-                         const std::string& said) {
-    const UpChoice found = choose_up(cameras);
+// Of the pictures' horizon: how good it is, and how to know better.
+std::string horizon_text(const UpChoice& found, VotedCameras cameras, std::size_t num_heights) {
+    return fmt::format(
+        "up: taken from the pictures' horizon, by their scatter good to about {:.0f} degree{}{}. "
+        "If it is wrong, people lean and stand in the floor or above it: measure the heights of {} "
+        "cameras that stand on no line, and give --camera-height for each; now it is --up {}{}",
+        std::ceil(found.error_deg),
+        found.error_deg > 1.0 ? "s" : "",
+        rolled_text(found, cameras),
+        num_heights == 0 ? "three" : "two more",
+        direction_text(found.up),
+        found.other_up && !found.rival
+            ? "; if people lie on their side, say --up " + option_text(*found.other_up)
+            : "");
+}
+
+// Without measured heights.
+UpConclusion up_of_pictures(const ForeignRig& foreign,
+                            VotedCameras cameras,
+                            const UpChoice& found,
+                            std::size_t num_heights) {
     UpConclusion result;
-    if (!said.empty()) {
-        result.up = up_vector(said);
-        result.is_axis = degrees_between(*result.up, nearest_axis(*result.up)) < kIsAxis_deg;
-        result.told.push_back("up: " + said + ", as you say");
-        compare(result, found, said);
-        if (found.is_known && degrees_between(*result.up, found.up) <= kOff_deg)
-            name_turned(result, found, cameras);
-        return result;
-    }
     if (found.is_known && !found.axis.empty() && foreign.has_frame) {
         result.up = up_vector(found.axis);
         result.told.push_back(
@@ -171,20 +158,12 @@ UpConclusion conclude_up(const ForeignRig& foreign,
             "degrees",
             vector_text(found.up),
             tilt_deg(found)));
-        result.checks.push_back(fmt::format(
-            "up: taken from the pictures' horizon, good to a degree or two: fine if "
-            "people stand upright. If they lean, say which direction of the file is "
-            "up: --up X,Y,Z; now it is --up {}{}",
-            numbers_text(found.up, 3, ","),
-            found.other_up && !found.rival
-                ? "; if they lie on their side, say --up " + option_text(*found.other_up)
-                : ""));
+        result.checks.push_back(horizon_text(found, cameras, num_heights));
     } else {
         result.checks.push_back(found.rival ? doubt_text(found, "+Z of the file", cameras.size())
                                             : text_of_kept(found));
         return result;
     }
-    name_turned(result, found, cameras);
     if (found.rival) {
         result.checks.push_back(doubt_text(found, "The first", cameras.size()));
     } else if (foreign.up.empty() && found.other_up && result.is_axis) {
@@ -192,6 +171,32 @@ UpConclusion conclude_up(const ForeignRig& foreign,
             fmt::format("up: if the cameras lie on their side, up is about {0}: say --up {0}",
                         option_text(*found.other_up)));
     }
+    return result;
+}
+
+UpConclusion up_as_said(const UpChoice& found, const std::string& said) {
+    UpConclusion result;
+    result.up = up_vector(said);
+    result.is_axis = degrees_between(*result.up, nearest_axis(*result.up)) < kIsAxis_deg;
+    result.told.push_back("up: " + said + ", as you say");
+    compare(result, found, said);
+    return result;
+}
+
+}  // namespace
+
+UpConclusion conclude_up(const ForeignRig& foreign,
+                         std::span<const geometry::CalibratedCamera> cameras,
+                         const std::string& said,
+                         const Measurements& measured) {
+    const UpChoice found = choose_up(cameras);
+    UpConclusion result = said.empty()
+                              ? up_of_pictures(foreign, cameras, found, measured.heights.size())
+                              : up_as_said(found, said);
+    if (measured.heights.size() > 1)
+        conclude_heights(result, {cameras, found, !said.empty(), foreign.has_frame}, measured);
+    if (result.up && found.is_known && degrees_between(*result.up, found.up) <= kSameUp_deg)
+        name_turned(result, found, cameras);
     return result;
 }
 

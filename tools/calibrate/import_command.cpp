@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
+#include <utility>
 
 namespace atrium::calibrate {
 namespace {
@@ -51,19 +52,22 @@ void add_distance(CLI::App& command, Said& said) {
         ->expected(3)
         ->type_name("CAMERA CAMERA METRES");
     command
-        .add_option_function<std::vector<std::string>>(
+        .add_option_function<std::vector<std::pair<std::string, std::string>>>(
             "--camera-height",
-            [&said](const std::vector<std::string>& words) {
-                const auto metres = parse_number(words[1], -10.0, 100.0);
-                if (!metres)
-                    throw CLI::ValidationError("--camera-height",
-                                               "must be a camera and -10 to 100 metres, got " +
-                                                   words[1] + hint_of_centimetres(words[1]) +
-                                                   hint_of_comma(words[1]));
-                said.height = Said::Height{words[0], *metres};
+            [&said](const std::vector<std::pair<std::string, std::string>>& pairs) {
+                for (const auto& [camera, text] : pairs) {
+                    const auto metres = parse_number(text, -10.0, 100.0);
+                    if (!metres)
+                        throw CLI::ValidationError("--camera-height",
+                                                   "must be a camera and -10 to 100 metres, got " +
+                                                       text + hint_of_centimetres(text) +
+                                                       hint_of_comma(text));
+                    said.heights.push_back({camera, *metres});
+                }
             },
-            "measured height of a camera above the floor in metres; gives the floor")
-        ->expected(2)
+            "measured height of a camera above the floor in metres; gives the floor. Given for "
+            "three or more cameras that stand on no line, it also gives up")
+        ->allow_extra_args(false)
         ->type_name("CAMERA METRES");
 }
 

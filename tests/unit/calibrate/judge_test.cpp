@@ -90,7 +90,7 @@ TEST(Judge, FindsUpAndFloorInTheFrameOfACamera) {
         foreign.has_frame = false;
         foreign.is_sure_of_poses = true;
         Said said;
-        said.height = Said::Height{truth[1].name, truth[1].centre_site().z()};
+        said.heights = {{truth[1].name, truth[1].centre_site().z()}};
         const auto result = conclude(foreign, said);
         ASSERT_TRUE(result) << seed << ": " << result.error().message;
         for (std::size_t i = 0; i < truth.size(); ++i) {

@@ -162,20 +162,20 @@ TEST_F(Mistakes, TheFrameOfALevelCameraHasNoFloor) {
 TEST_F(Mistakes, AHeightSaysWhereThenTheCamerasLook) {
     Said said;
     const double height = cameras_[0].centre_site().z();
-    said.height = Said::Height{"cam1", height};
+    said.heights = {{"cam1", height}};
     const std::string text = test::opencv_yaml(cameras_, 1000.0);
     const auto right = conclude_from("a.yml", text, said);
     ASSERT_TRUE(right);
     EXPECT_THAT(right->told, Contains(HasSubstr("as you say, so the cameras look at a place ")));
     EXPECT_THAT(right->checks, Not(Contains(HasSubstr("floor"))));
-    said.height->metres = height + 2.0;
+    said.heights[0].metres = height + 2.0;
     const auto high = conclude_from("a.yml", text, said);
     ASSERT_TRUE(high);
     EXPECT_THAT(high->checks,
                 Contains(AllOf(testing::ContainsRegex("look at a place (2.[89]|3.[01])"),
                                HasSubstr("m above it"),
                                HasSubstr("--camera-height cam1 METRES"))));
-    said.height->metres = height - 2.0;
+    said.heights[0].metres = height - 2.0;
     const auto low = conclude_from("a.yml", text, said);
     ASSERT_TRUE(low);
     EXPECT_THAT(low->checks,
@@ -191,7 +191,7 @@ TEST_F(Mistakes, AMeasuredCameraHasItsNameInTheFileOrInTheRig) {
     for (const char* name : {"Küche links", "Ku\u0308che links", "Kueche_links"}) {
         Said said;
         said.distance = Said::Distance{name, "Tür", distance};
-        said.height = Said::Height{"Tuer", cameras_[1].centre_site().z()};
+        said.heights = {{"Tuer", cameras_[1].centre_site().z()}};
         const auto result = conclude_from("a.json", text, said);
         ASSERT_TRUE(result) << result.error().message;
         EXPECT_THAT(result->told, Contains("camera 'Küche links' is called 'Kueche_links' here"));

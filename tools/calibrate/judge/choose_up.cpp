@@ -39,6 +39,14 @@ constexpr double kVeryLevelRig = 0.06;
 // An axis of the frame is up if it is so near, as a cosine, and the pictures are about as level.
 constexpr double kNearAxis = 0.966;
 constexpr double kAboutAsLevel = 0.03;
+// Deviations from level, as a sine, that count by their square; larger ones count by themselves.
+constexpr double kLevelWithin = 0.0175;
+constexpr int kReweightings = 30;
+// Parallel pictures tell the tilt along them only if they look at the horizon.
+constexpr double kParallelError_deg = 10.0;
+constexpr double kLeastError_deg = 0.5;
+constexpr double kRolled_deg = 5.0;
+constexpr double kDegreesOfRad = 57.29578;
 // Cost, as a sine, of a camera turned otherwise than most.
 constexpr double kTurnedCost = 0.1;
 // More pairs of cameras than this are sampled evenly.
@@ -104,6 +112,19 @@ LevelFit perpendicular_to(const std::vector<Eigen::Vector3d>& sides) {
     return {solver.eigenvectors().col(0), solver.eigenvalues()[1] > kApartSquare};
 }
 
+// As `perpendicular_to`, but minimises the deviations rather than their squares, so that a few
+// rolled cameras do not pull it: least squares, weighted again and again.
+LevelFit level_along(const std::vector<Eigen::Vector3d>& sides) {
+    LevelFit fit = perpendicular_to(sides);
+    for (int i = 0; i < kReweightings && fit.is_unique; ++i) {
+        Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+        for (const Eigen::Vector3d& side : sides)
+            sum += side * side.transpose() / std::max(std::abs(side.dot(fit.up)), kLevelWithin);
+        fit.up = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors().col(0);
+    }
+    return fit;
+}
+
 // As if the pictures looked at the horizon; shorter than 1 if they disagree.
 Eigen::Vector3d mean_upright(const RigAxes& rig, const Eigen::Vector3d& near) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -128,7 +149,7 @@ LevelFit refined(const RigAxes& rig, Eigen::Vector3d up) {
             const Eigen::Vector3d& side = level_side(camera, stand);
             if (stand != Stand::kNone && std::abs(side.dot(up)) < kNotLevel) sides.push_back(side);
         }
-        fit = perpendicular_to(sides);
+        fit = level_along(sides);
         if (!fit.is_unique) fit.up = mean_upright(rig, up).normalized();
         if (fit.up.dot(up) < 0.0) fit.up = -fit.up;
         up = fit.up;
@@ -164,6 +185,39 @@ std::vector<Eigen::Vector3d> candidates_of(const RigAxes& rig) {
         }
     }
     return candidates;
+}
+
+// The likely error of an `up` to which these sides were fitted: that of least squares.
+double error_deg_of(const std::vector<Eigen::Vector3d>& sides, const LevelFit& fit) {
+    if (sides.size() < 3 || !fit.is_unique) return kParallelError_deg;
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    double squares = 0.0;
+    for (const Eigen::Vector3d& side : sides) {
+        information += side * side.transpose();
+        squares += std::pow(side.dot(fit.up), 2);
+    }
+    const Eigen::Vector3d along =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(information).eigenvalues();
+    const double variance = squares / static_cast<double>(sides.size() - 2);
+    return std::max(kLeastError_deg,
+                    kDegreesOfRad * std::sqrt(variance * (1.0 / along[1] + 1.0 / along[2])));
+}
+
+// How sure `choice` is, and the cameras that roll.
+void judge_scatter(UpChoice& choice, const RigAxes& rig, const LevelFit& fit) {
+    std::vector<Eigen::Vector3d> sides;
+    for (std::size_t i = 0; i < rig.size(); ++i) {
+        const Stand stand = vote_of(rig[i], fit.up).stand;
+        const bool is_nearer_side = std::abs(rig[i].y.dot(fit.up)) < std::abs(rig[i].x.dot(fit.up));
+        const Eigen::Vector3d& side =
+            stand == Stand::kNone && is_nearer_side ? rig[i].y : level_side(rig[i], stand);
+        if (stand != Stand::kNone) sides.push_back(side);
+        const double roll_deg =
+            std::asin(std::min(1.0, std::abs(side.dot(fit.up)))) * kDegreesOfRad;
+        if (roll_deg > kRolled_deg && rig[i].z.dot(fit.up) >= -kStraightDown)
+            choice.rolled.emplace_back(i, roll_deg);
+    }
+    choice.error_deg = error_deg_of(sides, fit);
 }
 
 UpVote vote_for(const RigAxes& rig, const Eigen::Vector3d& up) {
@@ -261,6 +315,7 @@ UpChoice choose_up(VotingCameras cameras) {
     static_cast<UpVote&>(choice) = vote_for(rig, fit.up);
     const Tilts tilts = tilts_about(rig, fit.up, fit.up);
     choice.tilt = tilts.agreeing;
+    judge_scatter(choice, rig, fit);
     const std::size_t num_turned = choice.on_side.size() + choice.upside_down.size();
     choice.mean_tilt = tilts.all + kTurnedCost *
                                        static_cast<double>(std::min(num_turned, choice.num_level)) /

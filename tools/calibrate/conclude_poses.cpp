@@ -1,0 +1,109 @@
+#include "tools/calibrate/concluder.hpp"
+#include "tools/calibrate/judge/rig_judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::calibrate {
+namespace {
+
+// Without rotation and translation, but for rounding.
+bool is_at_origin(const ForeignPose& pose) {
+    return pose.rotation.isIdentity(1e-6) && pose.vector.isZero(1e-6);
+}
+
+}  // namespace
+
+void Concluder::read_poses() {
+    Reading wanted = foreign_.documented;
+    wanted.pose = said_.pose.value_or(wanted.pose);
+    wanted.opengl = said_.opengl.value_or(wanted.opengl);
+    ReadingChoice choice = choose_reading(cameras_, poses_, wanted, foreign_.has_matrix_poses);
+    const ReadingChoice fitting = choice;
+    report_same_poses();
+    const bool is_said = said_.pose || said_.opengl;
+    if (is_said || foreign_.is_sure_of_poses) choice = {wanted, {}, true, {}};
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
+        cameras_[i].camera_from_site = camera_from_site(poses_[i], choice.reading);
+    const Convergence convergence = measure_convergence(cameras_);
+    const std::vector<bool> looks = look_at_one_place(cameras_);
+    const auto num_looking = static_cast<std::size_t>(std::ranges::count(looks, true));
+    const std::string looking =
+        fmt::format("{} of {} cameras look at one place", num_looking, cameras_.size());
+    if (is_said || choice.is_documented) {
+        tell(fmt::format("poses: {}{}: {}",
+                         describe(choice.reading),
+                         is_said ? ", as you say" : ", as documented",
+                         looking));
+    } else {
+        for (std::size_t i = 0; i < cameras_.size(); ++i)
+            cameras_[i].camera_from_site = camera_from_site(poses_[i], wanted);
+        const Convergence as_documented = measure_convergence(cameras_);
+        for (std::size_t i = 0; i < cameras_.size(); ++i)
+            cameras_[i].camera_from_site = camera_from_site(poses_[i], choice.reading);
+        tell(
+            fmt::format("poses: {}: {}, {:.0f} degrees apart. Read as documented, as {}, {} would "
+                        "({} to read them so)",
+                        describe(choice.reading),
+                        looking,
+                        2.0 * std::asin(std::sqrt(std::min(1.0, convergence.spread))) * 57.2958,
+                        describe(wanted),
+                        as_documented.num_looking,
+                        option_of(wanted)));
+    }
+    if (2 * num_looking < cameras_.size() + 1) {
+        problem(fmt::format(
+            "poses: only {}: the cameras do not look at one room, or the poses mean "
+            "something else; check the calibration, or {}",
+            looking,
+            is_said ? "leave --direction and --axes out, so that they are found out"
+            : fitting.reading == choice.reading ? "say --direction and --axes"
+                                                : fmt::format("say {}, with which {} do",
+                                                              option_of(fitting.reading),
+                                                              fitting.convergence.num_looking)));
+        return;
+    }
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        if (!looks[i]) report_elsewhere(i);
+        is_frame_of_camera_ = is_frame_of_camera_ || (looks[i] && is_at_origin(poses_[i]));
+    }
+    if (!is_said && !choice.also_possible.empty()) {
+        check(
+            fmt::format("poses: {} would fit the cameras as well; if the person is broken, try {}",
+                        describe(choice.also_possible.front()),
+                        option_of(choice.also_possible.front())));
+    }
+}
+
+// Two lenses cannot be in one place.
+void Concluder::report_same_poses() {
+    for (std::size_t i = 1; i < poses_.size(); ++i) {
+        const auto is_same = [&](const ForeignPose& pose) {
+            return pose.rotation == poses_[i].rotation && pose.vector == poses_[i].vector;
+        };
+        const auto end = poses_.begin() + static_cast<std::ptrdiff_t>(i);
+        const auto same = std::find_if(poses_.begin(), end, is_same);
+        if (same == end) continue;
+        problem(fmt::format(
+            "poses: cameras '{0}' and '{1}' have exactly the same pose, so that of one "
+            "was copied: calibrate it again, or leave it out with --cameras '!{1}'",
+            foreign_.cameras[static_cast<std::size_t>(same - poses_.begin())].known_name(),
+            foreign_.cameras[i].known_name()));
+    }
+}
+
+// `camera` does not look at the place that most cameras look at.
+void Concluder::report_elsewhere(std::size_t camera) {
+    const bool is_default = is_at_origin(poses_[camera]) && foreign_.has_frame;
+    problem(fmt::format(
+        "poses: camera '{}' does not look at the place that the others look at: {}; remove it from "
+        "the calibration if it is to look elsewhere",
+        cameras_[camera].name,
+        is_default ? "its pose is the origin, so it was probably never calibrated: calibrate it"
+                   : "its pose in the file is probably wrong, or older than the others: calibrate "
+                     "it again"));
+}
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+/// Directions in words.
+namespace atrium::calibrate {
+
+double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
+/// The axis that is nearest to `v`, as a unit vector.
+Eigen::Vector3d nearest_axis(const Eigen::Vector3d& v);
+
+/// "(0.00, 1.00, 0.00)", without negative zeros.
+std::string vector_text(const Eigen::Vector3d& v);
+
+/// "0.503,-0.736,0.454", as --up takes it.
+std::string direction_text(const Eigen::Vector3d& v);
+
+/// As --up takes it: "-Y" for an axis, else three numbers.
+std::string option_text(const Eigen::Vector3d& v);
+
+/// "door", "door and desk", "door, desk and stairs".
+std::string enumerated(const std::vector<std::string>& names);
+
+}  // namespace atrium::calibrate
