@@ -20,6 +20,7 @@ namespace {
 constexpr double kLowestAim_m = 0.1;
 constexpr double kHighestAim_m = 2.5;
 constexpr double kUsualAim_m = 1.0;
+
 tl::unexpected<Error> needs(const std::string& text) {
     return make_error(ErrorKind::kConfiguration, text);
 }

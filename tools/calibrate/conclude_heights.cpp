@@ -171,9 +171,9 @@ std::string HeightsConcluder::odd_text() const {
     const auto odd = odd_height(centres_, measured_.heights, guess_);
     if (!odd) return "measure the heights again, from the floor to the lens";
     const MeasuredHeight& height = measured_.heights[odd->index];
-    return fmt::format("measure that of {} again{}: you say {} m, by the others it is {:.2f} m",
+    return fmt::format("measure {} {}: you say {} m, by the others it is {:.2f} m",
+                       odd->is_clear ? "again that of" : "them again, first that of",
                        name_of(height),
-                       odd->is_clear ? "" : " first",
                        height.metres,
                        odd->others_say_m);
 }

@@ -18,6 +18,8 @@ constexpr double kTape_m = 0.02;
 constexpr double kFromHeights = 0.5;
 // The odd height leaves this share of the cost of the next one.
 constexpr double kClearlyOdd = 0.5;
+// Of so few heights, any may be the odd one.
+constexpr std::size_t kFewHeights = 4;
 // Another scale explains the heights if it leaves this share of the deviations.
 constexpr double kScaleHelps = 0.3;
 constexpr double kOtherScale = 0.02;
@@ -134,7 +136,7 @@ std::optional<OddHeight> odd_height(Centres centres, Heights heights, const UpGu
     const auto best = static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
     const auto num_odd = std::ranges::count_if(
         costs, [&](double cost) { return costs[best] >= kClearlyOdd * cost; });
-    return OddHeight{best, num_odd == 1, others_say[best]};
+    return OddHeight{best, num_odd == 1 && heights.size() > kFewHeights, others_say[best]};
 }
 
 std::optional<double> scale_of_heights(Centres centres,

@@ -41,7 +41,7 @@ HeightFit fit_floor(std::span<const Eigen::Vector3d> centres,
 
 struct OddHeight {
     std::size_t index = 0;      // in the heights
-    bool is_clear = true;       // false: another one is about as odd
+    bool is_clear = true;       // false: another one may be the odd one
     double others_say_m = 0.0;  // where the other heights put this camera
 };
 /// Finds the height without which the others agree best, with each other and with `guess`. None for
