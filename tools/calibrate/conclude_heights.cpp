@@ -77,13 +77,14 @@ void HeightsConcluder::keep_up(UpConclusion& result, const HeightFit& level) con
         return;
     }
     const HeightFit fit = fit_heights(centres_, measured_.heights, guess_);
-    result.checks.push_back(fmt::format(
-        "up: the heights of {} contradict it by up to {:.2f} m; {}, or leave --up out: the heights "
-        "give --up {}",
-        names_,
-        level.deviation_m,
-        odd_text(),
-        direction_text(fit.up)));
+    result.checks.push_back(
+        fmt::format("up: the heights of {} contradict it by up to {:.2f} m: leave --up out, "
+                    "because the heights "
+                    "give --up {}; or {}",
+                    names_,
+                    level.deviation_m,
+                    direction_text(fit.up),
+                    odd_text()));
 }
 
 void HeightsConcluder::turn_up(UpConclusion& result, const HeightFit& fit) const {
