@@ -1,5 +1,6 @@
 // A COLMAP model as a rig: each image is a camera; images of one folder, or with one name and
 // different numbers, are one camera that stands still. COLMAP puts the first pixel's centre at 0.5.
+#include "core/base/looked_up.hpp"
 #include "tools/calibrate/formats/colmap_model.hpp"
 #include "tools/calibrate/formats/format.hpp"
 #include "tools/calibrate/formats/lens.hpp"
@@ -224,6 +225,16 @@ Expected<ForeignRig> read_colmap(const Files& files) {
                           fmt::format("{}: no model of COLMAP: a folder with cameras.txt and "
                                       "images.txt, or cameras.bin and images.bin",
                                       files.front().string()));
+    }
+    for (const fs::path& file : files) {
+        std::error_code failure;
+        if (!fs::exists(file, failure)) {
+            return make_error(ErrorKind::kNotFound,
+                              fmt::format("{}: no such file{}; the model of COLMAP is {}",
+                                          file.string(),
+                                          looked_up_from(file),
+                                          found->cameras.parent_path().string()));
+        }
     }
     ColmapModel model;
     const auto read = found->is_binary ? read_colmap_binary(found->cameras, found->images, model)
