@@ -2,6 +2,7 @@
 
 #include "core/base/readable.hpp"
 #include "core/model/assimp_errors.hpp"
+#include "core/model/material_file.hpp"
 #include "core/model/ply_length.hpp"
 
 #include <Eigen/LU>
@@ -251,9 +252,16 @@ Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
                           fmt::format("{}: {}", file.string(), why_unreadable(file, importer)));
     }
     Eigen::Matrix4d model_from_file = Eigen::Matrix4d::Identity();
+    const bool has_materials = missing_material_file(file).empty();
     if (is_gltf(file)) model_from_file << 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1;
     model_from_file.topRows<3>() *= scale;
-    return PartCollector(*scene, file, limits).take(model_from_file);
+    auto parts = PartCollector(*scene, file, limits).take(model_from_file);
+    if (!parts || has_materials) return parts;
+    for (ModelPart& part : *parts) {  // Assimp gives each material a grey of its own
+        part.colour = ModelPart().colour;
+        part.has_colour = false;
+    }
+    return parts;
 }
 
 }  // namespace atrium::model

@@ -44,6 +44,23 @@ void doubt_textures(const WorldDescription& world, std::vector<std::string>& lin
     }
 }
 
+void doubt_materials(const WorldDescription& world, std::vector<std::string>& lines) {
+    std::map<std::string, std::string> missing;  // by model
+    const auto look_at = [&](const Look& look) {
+        if (!look.missing_materials.empty() && look.texture.empty())
+            missing[look.model] = look.missing_materials;
+    };
+    for (const WorldObject& object : world.objects) look_at(object.look);
+    for (const WorldScenery& scenery : world.scenery) look_at(scenery.look);
+    for (const auto& [model, file] : missing) {
+        lines.push_back(fmt::format(
+            "colour_not_drawn model={} names=\"{}\" reason=\"the file of its colours is "
+            "not there\" advice=\"copy it beside the model, on the viewers' hosts too\"",
+            model,
+            file));
+    }
+}
+
 std::string rgb(const Eigen::Vector3d& colour) {
     return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", colour.x(), colour.y(), colour.z());
 }
@@ -327,6 +344,7 @@ void doubt_rights(const WorldDescription& world, std::vector<std::string>& lines
 std::vector<std::string> doubts_about(const WorldDescription& world, double tick_hz) {
     std::vector<std::string> lines;
     doubt_textures(world, lines);
+    doubt_materials(world, lines);
     doubt_colours(world, lines);
     doubt_gravity(world, lines);
     doubt_layout(world, lines);

@@ -14,7 +14,10 @@ constexpr config::Range kAmount{0.0, 1e5};
 // " (did you mean door?)", or advice.
 std::string meant_end(const std::string& written, const std::vector<WorldObject>& objects) {
     const std::string question = object_meant_by(written, objects);
-    return question.empty() ? "; soft objects have pins and tied_to instead" : question;
+    return question.empty()
+               ? "; soft objects have pins and tied_to instead, and what is joined to scenery is "
+                 "joined to the world: leave b out"
+               : question;
 }
 
 void read_ends(config::TableReader& reader,

@@ -16,6 +16,7 @@ using ModelParts = std::shared_ptr<const std::vector<geometry::TriangleMesh>>;
 struct LoadedModel {
     ModelParts parts;                          // hulls
     std::string own_texture;                   // picture that the file names; empty: none
+    std::string missing_materials;             // see Look
     std::vector<Eigen::Vector3d> own_colours;  // different ones that the file states
 };
 

@@ -3,6 +3,8 @@
 #include "world_server/description/model_parts.hpp"
 #include "world_server/description/shared_entries.hpp"
 
+#include <fmt/format.h>
+
 #include <map>
 #include <set>
 #include <string>
@@ -26,6 +28,7 @@ void read_model(config::TableReader& reader, WorldObject& object, KnownModels& k
         model = std::move(*loaded);
     }
     look.own_texture = model.own_texture;
+    look.missing_materials = model.missing_materials;
     look.own_colours = model.own_colours;
     rigid.parts = model.parts;
     rigid.size_m = physics::extents_of(*model.parts);
@@ -112,9 +115,18 @@ WorldObject read_object(config::TableReader& reader,
         if (key == "size_m" && !reader.has(key)) {
             key = has_model ? "scale" : reader.has("height_m") ? "height_m" : "diameter_m";
         }
-        if (key == "mass_kg" && !reader.has(key))
-            key = reader.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
         std::string allowed(problem->allowed);
+        if (key == "mass_kg" && !reader.has(key)) {
+            key = reader.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
+            if (allowed.starts_with("must be ")) allowed.replace(0, 8, "must give ");
+            allowed += mass_advice(physics::volume_m3(to_rigid(object)), rigid.mass_kg) +
+                       ", or see its size: " +
+                       (has_model ? size_advice(rigid.size_m)
+                                  : fmt::format("it is {:.3g} x {:.3g} x {:.3g} m",
+                                                rigid.size_m.x(),
+                                                rigid.size_m.y(),
+                                                rigid.size_m.z()));
+        }
         if (key == "scale") allowed += "; " + size_advice(rigid.size_m);
         reader.reject(key, allowed);
     }

@@ -121,6 +121,11 @@ std::string size_advice(const Eigen::Vector3d& size_m) {
         size_m.z());
 }
 
+std::string mass_advice(double volume_m3, double mass_kg) {
+    return fmt::format(
+        "; its volume of {:.3g} m^3 gives {:.3g} kg: write mass_kg", volume_m3, mass_kg);
+}
+
 const WorldObject* find_object(const std::vector<WorldObject>& objects, const std::string& name) {
     const auto found = std::ranges::find(objects, name, &WorldObject::name);
     return found == objects.end() ? nullptr : &*found;

@@ -42,6 +42,9 @@ void reject_model(config::TableReader& reader, Error error);
 /// Returns the extents of a model, with what `scale` makes of other units.
 std::string size_advice(const Eigen::Vector3d& size_m);
 
+/// "; its volume of 125 m^3 gives 75000 kg: write mass_kg", for masses that follow from a density.
+std::string mass_advice(double volume_m3, double mass_kg);
+
 /// Returns the object of that name; null if there is none.
 const WorldObject* find_object(const std::vector<WorldObject>& objects, const std::string& name);
 /// Returns " (did you mean door?)", or nothing.

@@ -134,9 +134,7 @@ void reject_soft(config::TableReader& table,
     const bool has_model = object.shape == SoftShape::kModel;
     if (key == "mass_kg" && !table.has(key)) {
         key = table.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
-        allowed += fmt::format("; its volume of {:.3g} m^3 gives {:.3g} kg: write mass_kg",
-                               physics::volume_m3(object),
-                               object.mass_kg);
+        allowed += mass_advice(physics::volume_m3(object), object.mass_kg);
         if (has_model) allowed += ", or see its size: " + size_advice(bounds(object.model).size());
     }
     for (const char* instead : {"diameter_m", "length_m"}) {

@@ -230,7 +230,9 @@ void doubt_anchors(const WorldDescription& world, std::vector<std::string>& line
             // anything may hang from afar, but hardly from the place that is right in its own
             // frame, or near by from the world's origin
             const double allowed_m = joint.anchor_m.isZero(0.0) ? kNearAnchor_m : kFarAnchor_m;
-            if (from_a_m > allowed_m && local_distance_m(joint.anchor_m, a->rigid) <= kNearAnchor_m)
+            const double size_m = local_box_of(a->rigid).size().maxCoeff();
+            if (from_a_m > allowed_m &&
+                local_distance_m(joint.anchor_m, a->rigid) <= std::max(kNearAnchor_m, 0.5 * size_m))
                 doubt("anchor_m", joint.anchor_m, from_a_m, a->name);
             continue;
         }

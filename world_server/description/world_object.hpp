@@ -18,7 +18,8 @@ struct Look {
     double model_scale = 1.0;                                 // [m] per unit of the model
     std::string texture{};                                    // picture; empty: none
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
-    std::string own_texture{};  // picture that the model's file names; viewers do not draw it
+    std::string own_texture{};        // picture that the model's file names; viewers do not draw it
+    std::string missing_materials{};  // file of the colours that the model's file names
     /// Colours of the model's file, if the world file states neither colour nor texture for it.
     std::vector<Eigen::Vector3d> own_colours{};
 };

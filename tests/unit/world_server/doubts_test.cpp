@@ -53,6 +53,22 @@ TEST_F(WorldDoubts, NameColoursOfAModelFileThatAreNotDrawn) {
     EXPECT_THAT(doubts(wall + "colour = [0.1, 0.2, 0.3]\n"), IsEmpty()) << "it is drawn";
 }
 
+TEST_F(WorldDoubts, NameAFileOfColoursThatIsNotThere) {
+    put("car.obj", kTwoColours);
+    const std::string car =
+        "[[object]]\nname = \"car\"\nshape = \"convex\"\nmodel = \"car.obj\"\nmass_kg = 1\n";
+    const auto named = HasSubstr(
+        "colour_not_drawn model=car.obj names=\"two.mtl\" reason=\"the file of its colours is not "
+        "there\"");
+    EXPECT_THAT(doubts(car), ElementsAre(named));
+    const std::string wall =
+        "[[scenery]]\nname = \"s\"\nmodel = \"car.obj\"\ncolour = [0.1, 0.2, 0.3]\n";
+    EXPECT_THAT(doubts(wall), ElementsAre(named)) << "and its colour is drawn";
+    EXPECT_THAT(doubts(car + "texture = \"own.png\"\n"), IsEmpty());
+    put("two.mtl", "newmtl red\nKd 0.8 0.1 0.1\nnewmtl green\nKd 0.8 0.1 0.1\n");
+    EXPECT_THAT(doubts(car), IsEmpty());
+}
+
 // A tetrahedron of two meshes, whose materials have no names. `materials`: of the two, then of the
 // file.
 std::string tetrahedron_gltf(const std::string& first,
@@ -218,6 +234,9 @@ TEST_F(WorldDoubts, NameAnAnchorInTheFrameOfItsObject) {
                               "0] is 3.6 m away from crate; it is a place in the world")));
     EXPECT_THAT(doubts(hinge + "anchor_m = [3.75, 2, 0.2]\n"), IsEmpty());
     EXPECT_THAT(doubts(hinge + "anchor_m = [3.55, 2, 2.2]\n"), IsEmpty()) << "hangs from above";
+    EXPECT_THAT(doubts(hinge + "anchor_m = [0, 0, 0.35]\n"),
+                ElementsAre(HasSubstr("it is a place in the world")))
+        << "a little above the crate in its frame";
     EXPECT_THAT(doubts(hinge + "anchor_m = [1, 0, 0]\n"), IsEmpty())
         << "outside the crate in its frame, too";
     const std::string near_hinge = box("crate", 1, "position_m = [0.45, 0, 0.2]") +

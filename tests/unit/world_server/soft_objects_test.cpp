@@ -44,7 +44,8 @@ TEST(SoftConfig, NamesFileLineAndKeyOfAnError) {
     expect_error(kCloth + "pins = [\"middle\"]\n", "must be of top, bottom, left, right");
     expect_error(kCloth + "pins = [\"start\"]\n", "must be of top, bottom, left, right");
     const std::string rope =
-        "[[soft]]\nname = \"r\"\nshape = \"rope\"\nlength_m = 1\nmass_kg = 0.2\n";
+        "[[soft]]\nname = \"r\"\nshape = \"rope\"\nlength_m = 1\ndiameter_m = 0.02\nmass_kg = "
+        "0.2\n";
     expect_error(rope + "pins = [\"top\"]\n", "pins: must be of start, end for a rope");
     expect_error(
         "[[soft]]\nname = \"b\"\nshape = \"ball\"\ndiameter_m = 0.3\nmass_kg = 1\n"
