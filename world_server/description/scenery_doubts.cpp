@@ -1,5 +1,6 @@
 #include "world_server/description/scenery_doubts.hpp"
 
+#include "core/model/model_file.hpp"
 #include "world_server/description/start_doubts.hpp"
 
 #include <fmt/format.h>
@@ -85,10 +86,13 @@ void doubt_sight(const WorldDescription& world,
     if (object == world.objects.end()) return;
     lines.push_back(
         fmt::format("scenery_looks_wrong name={} reason=\"all of it is {} {}, where nobody sees "
-                    "it: move it with position_m, the place of its file's origin\"",
+                    "it: {}move it with position_m, the place of its file's origin\"",
                     scenery.name,
                     object->rigid.shape == physics::ObjectShape::kPlane ? "below" : "inside",
-                    object->name));
+                    object->name,
+                    model::is_gltf(scenery.look.model)
+                        ? ""
+                        : "if its file has +Y up, write roll_pitch_yaw_deg = [90, 0, 0]; else "));
 }
 
 }  // namespace
