@@ -1,5 +1,6 @@
 #include "tools/calibrate/conclude_heights.hpp"
 
+#include "tools/calibrate/judge/angles.hpp"
 #include "tools/calibrate/up_text.hpp"
 
 #include <Eigen/Geometry>

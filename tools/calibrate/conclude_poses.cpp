@@ -1,4 +1,5 @@
 #include "tools/calibrate/concluder.hpp"
+#include "tools/calibrate/judge/angles.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
 
 #include <fmt/format.h>
@@ -48,7 +49,7 @@ void Concluder::read_poses() {
                         "({} to read them so)",
                         describe(choice.reading),
                         looking,
-                        2.0 * std::asin(std::sqrt(std::min(1.0, convergence.spread))) * 57.2958,
+                        2.0 * std::asin(std::sqrt(std::min(1.0, convergence.spread))) * kDegreesPerRad,
                         describe(wanted),
                         as_documented.num_looking,
                         option_of(wanted)));

@@ -1,6 +1,7 @@
 #include "tools/calibrate/conclude_up.hpp"
 
 #include "tools/calibrate/conclude_heights.hpp"
+#include "tools/calibrate/judge/angles.hpp"
 #include "tools/calibrate/judge/choose_up.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
 #include "tools/calibrate/up_text.hpp"
@@ -13,13 +14,12 @@
 namespace atrium::calibrate {
 namespace {
 
-constexpr double kDegrees = 57.29578;
 constexpr double kOff_deg = 5.0;      // more than the horizon of level pictures is wrong
 constexpr double kLying_deg = 45.0;   // people lie rather than lean
 constexpr double kSameUp_deg = 15.5;  // near enough to name the cameras that are turned
 constexpr double kIsAxis_deg = 0.01;
 
-double tilt_deg(const UpChoice& found) { return std::asin(std::min(found.tilt, 1.0)) * kDegrees; }
+double tilt_deg(const UpChoice& found) { return std::asin(std::min(found.tilt, 1.0)) * kDegreesPerRad; }
 
 // What the user says, against the direction along which the pictures are upright.
 void compare(UpConclusion& result, const UpChoice& found, const std::string& said) {

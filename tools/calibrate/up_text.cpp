@@ -1,6 +1,7 @@
 #include "tools/calibrate/up_text.hpp"
 
-#include <Eigen/Geometry>
+#include "tools/calibrate/judge/angles.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -8,7 +9,6 @@
 namespace atrium::calibrate {
 namespace {
 
-constexpr double kDegreesOf1Rad = 57.29578;
 constexpr double kAlongAxis_deg = 2.0;
 
 // "0.00, 1.00, 0.00", without negative zeros.
@@ -22,16 +22,6 @@ std::string numbers_text(const Eigen::Vector3d& v, int digits, const char* betwe
 }
 
 }  // namespace
-
-double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-    return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegreesOf1Rad;
-}
-
-Eigen::Vector3d nearest_axis(const Eigen::Vector3d& v) {
-    int axis = 0;
-    v.cwiseAbs().maxCoeff(&axis);
-    return (v[axis] > 0.0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(axis);
-}
 
 std::string vector_text(const Eigen::Vector3d& v) { return "(" + numbers_text(v, 2, ", ") + ")"; }
 

@@ -8,11 +8,6 @@
 /// Directions in words.
 namespace atrium::calibrate {
 
-double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
-
-/// The axis that is nearest to `v`, as a unit vector.
-Eigen::Vector3d nearest_axis(const Eigen::Vector3d& v);
-
 /// "(0.00, 1.00, 0.00)", without negative zeros.
 std::string vector_text(const Eigen::Vector3d& v);
 

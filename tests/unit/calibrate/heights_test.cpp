@@ -1,9 +1,9 @@
 // Up and floor from measured heights, and the up of rigs whose cameras roll.
 #include "tests/unit/calibrate/foreign_texts.hpp"
 #include "tools/calibrate/conclude_up.hpp"
+#include "tools/calibrate/judge/angles.hpp"
 #include "tools/calibrate/judge/choose_up.hpp"
 #include "tools/calibrate/judge/tape_check.hpp"
-#include "tools/calibrate/up_text.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

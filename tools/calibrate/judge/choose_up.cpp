@@ -1,5 +1,7 @@
 #include "tools/calibrate/judge/choose_up.hpp"
 
+#include "tools/calibrate/judge/angles.hpp"
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
@@ -46,7 +48,6 @@ constexpr int kReweightings = 30;
 constexpr double kParallelError_deg = 10.0;
 constexpr double kLeastError_deg = 0.5;
 constexpr double kRolled_deg = 5.0;
-constexpr double kDegreesOfRad = 57.29578;
 // Cost, as a sine, of a camera turned otherwise than most.
 constexpr double kTurnedCost = 0.1;
 // More pairs of cameras than this are sampled evenly.
@@ -200,7 +201,7 @@ double error_deg_of(const std::vector<Eigen::Vector3d>& sides, const LevelFit& f
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(information).eigenvalues();
     const double variance = squares / static_cast<double>(sides.size() - 2);
     return std::max(kLeastError_deg,
-                    kDegreesOfRad * std::sqrt(variance * (1.0 / along[1] + 1.0 / along[2])));
+                    kDegreesPerRad * std::sqrt(variance * (1.0 / along[1] + 1.0 / along[2])));
 }
 
 // How sure `choice` is, and the cameras that roll.
@@ -213,7 +214,7 @@ void judge_scatter(UpChoice& choice, const RigAxes& rig, const LevelFit& fit) {
             stand == Stand::kNone && is_nearer_side ? rig[i].y : level_side(rig[i], stand);
         if (stand != Stand::kNone) sides.push_back(side);
         const double roll_deg =
-            std::asin(std::min(1.0, std::abs(side.dot(fit.up)))) * kDegreesOfRad;
+            std::asin(std::min(1.0, std::abs(side.dot(fit.up)))) * kDegreesPerRad;
         if (roll_deg > kRolled_deg && rig[i].z.dot(fit.up) >= -kStraightDown)
             choice.rolled.emplace_back(i, roll_deg);
     }

@@ -1,5 +1,7 @@
 #include "tools/calibrate/judge/measured_heights.hpp"
 
+#include "tools/calibrate/judge/angles.hpp"
+
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -11,7 +13,6 @@ namespace {
 using Centres = std::span<const Eigen::Vector3d>;
 using Heights = std::span<const MeasuredHeight>;
 
-constexpr double kDegreesPerRad = 57.29578;
 // Standard deviation of a height that is measured with a tape.
 constexpr double kTape_m = 0.02;
 // A tilt comes from the heights if they make it this much more certain than the guess.
