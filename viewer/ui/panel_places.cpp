@@ -21,7 +21,8 @@ PanelWish PanelPlaces::wish_of(const PanelAsk& ask) {
     const float measured = most.x - content.CursorStartPos.x + 2.0f * padding.x;
     if (width.is_long != ask.is_long) width = {.is_long = ask.is_long, .num_settling = 2};
     // a panel that is cut breaks its lines earlier, and would never be wide again
-    const bool is_settling = width.num_settling > 0 && width.num_settling-- > 0;
+    const bool is_settling = width.num_settling > 0;
+    if (is_settling) --width.num_settling;
     width.wanted = ask.width_px > 0.0f ? ask.width_px
                    : is_settling       ? measured
                                        : std::max(width.wanted, measured);
