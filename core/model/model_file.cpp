@@ -214,6 +214,10 @@ std::string own_texture_of(const std::vector<ModelPart>& parts) {
     return {};
 }
 
+std::string missing_materials_of(const std::vector<ModelPart>& parts) {
+    return parts.empty() ? std::string() : parts.front().missing_materials;
+}
+
 std::vector<Eigen::Vector3d> colours_of(const std::vector<ModelPart>& parts) {
     constexpr double kSame = 0.02;
     std::vector<Eigen::Vector3d> colours;
@@ -252,14 +256,15 @@ Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
                           fmt::format("{}: {}", file.string(), why_unreadable(file, importer)));
     }
     Eigen::Matrix4d model_from_file = Eigen::Matrix4d::Identity();
-    const bool has_materials = missing_material_file(file).empty();
+    const std::string missing = missing_material_file(file);
     if (is_gltf(file)) model_from_file << 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1;
     model_from_file.topRows<3>() *= scale;
     auto parts = PartCollector(*scene, file, limits).take(model_from_file);
-    if (!parts || has_materials) return parts;
+    if (!parts || missing.empty()) return parts;
     for (ModelPart& part : *parts) {  // Assimp gives each material a grey of its own
         part.colour = ModelPart().colour;
         part.has_colour = false;
+        part.missing_materials = missing;
     }
     return parts;
 }

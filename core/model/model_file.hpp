@@ -34,10 +34,15 @@ struct ModelPart {
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // RGB in [0, 1]
     bool has_colour = false;                                  // the file states the colour
     std::string own_texture;  // picture that the file names, "*0" inside it; viewers do not draw it
+    /// File of materials that an OBJ file names and that is not there: the part has no colour then.
+    std::string missing_materials;
 };
 
 /// The first picture that the parts name; empty: none.
 std::string own_texture_of(const std::vector<ModelPart>& parts);
+
+/// The file of materials that the parts lack; empty: none.
+std::string missing_materials_of(const std::vector<ModelPart>& parts);
 
 /// The different colours that the file states for its parts, in the order of the parts.
 std::vector<Eigen::Vector3d> colours_of(const std::vector<ModelPart>& parts);

@@ -1,6 +1,5 @@
 #include "world_server/description/model_parts.hpp"
 
-#include "core/model/material_file.hpp"
 #include "core/model/model_file.hpp"
 #include "core/model/pieces.hpp"
 #include "world_server/physics/rigid/convex_hull.hpp"
@@ -66,7 +65,7 @@ Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
     return LoadedModel{
         std::make_shared<const std::vector<geometry::TriangleMesh>>(std::move(parts)),
         model::own_texture_of(*model),
-        model::missing_material_file(file),
+        model::missing_materials_of(*model),
         model::colours_of(*model)};
 }
 

@@ -1,6 +1,5 @@
 #include "world_server/description/surroundings.hpp"
 
-#include "core/model/material_file.hpp"
 #include "core/model/model_file.hpp"
 #include "world_server/description/shared_entries.hpp"
 
@@ -32,7 +31,7 @@ void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     const auto model = model::load_model(file_of(reader, look.model), look.model_scale);
     if (!model) return reject_model(reader, model.error());
     look.own_texture = model::own_texture_of(*model);
-    look.missing_materials = model::missing_material_file(file_of(reader, look.model));
+    look.missing_materials = model::missing_materials_of(*model);
     const bool has_colours = std::ranges::all_of(*model, [](const model::ModelPart& part) {
         return part.has_colour || !part.vertex_colours.empty();
     });
