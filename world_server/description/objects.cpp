@@ -118,7 +118,6 @@ WorldObject read_object(config::TableReader& reader,
         std::string allowed(problem->allowed);
         if (key == "mass_kg" && !reader.has(key)) {
             key = reader.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
-            if (allowed.starts_with("must be ")) allowed.replace(0, 8, "must give ");
             allowed += mass_advice(physics::volume_m3(to_rigid(object)), rigid.mass_kg) +
                        ", or see its size: " +
                        (has_model ? size_advice(rigid.size_m)

@@ -122,8 +122,9 @@ std::string size_advice(const Eigen::Vector3d& size_m) {
 }
 
 std::string mass_advice(double volume_m3, double mass_kg) {
-    return fmt::format(
-        "; its volume of {:.3g} m^3 gives {:.3g} kg: write mass_kg", volume_m3, mass_kg);
+    const std::string mass =
+        mass_kg < 1000.0 ? fmt::format("{:.3g}", mass_kg) : fmt::format("{:.0f}", mass_kg);
+    return fmt::format("; its volume of {:.3g} m^3 gives {} kg: write mass_kg", volume_m3, mass);
 }
 
 const WorldObject* find_object(const std::vector<WorldObject>& objects, const std::string& name) {

@@ -59,10 +59,12 @@ std::string cure_of(const WorldObject& object, const Depth& depth_m) {
     geometry::RigidTransform& pose = turned.world_from_object;
     const bool is_as_in_file = pose.rotation.angularDistance(Eigen::Quaterniond::Identity()) < 1e-6;
     pose.rotation = geometry::rotation_of_roll_pitch_yaw({90.0, 0.0, 0.0});
-    if (is_as_in_file && !model::is_gltf(model) && depth_m(turned) <= kDeepRigid_m)
-        return "its file may have +Y up: then write roll_pitch_yaw_deg = [90, 0, 0]; else move it "
-               "with position_m, the place of its file's origin";
-    return "move it with position_m, the place of its file's origin";
+    const bool may_have_y_up =
+        is_as_in_file && !model::is_gltf(model) && depth_m(turned) <= kDeepRigid_m;
+    return std::string(may_have_y_up ? "its file may have +Y up: then write roll_pitch_yaw_deg = "
+                                       "[90, 0, 0]; else "
+                                     : "") +
+           "move it with position_m, the place of its file's origin";
 }
 
 // A cheap test: most objects are far apart, and the exact one builds collision shapes.

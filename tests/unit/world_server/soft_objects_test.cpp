@@ -167,7 +167,7 @@ TEST_F(SoftModelFile, IsBlamedBeforeTheMassOfItsMaterial) {
                       HasSubstr("the model is 100 x 100 x 100 m (scale = 0.01 reads centim")));
     EXPECT_THAT(error_of("model = \"wedge.obj\"\nscale = 10\n"),
                 AllOf(HasSubstr("4: soft[0].material: must be 0.001 kg to 100 kg"),
-                      HasSubstr("its volume of 167 m^3 gives 6.67e+03 kg: write mass_kg"),
+                      HasSubstr("its volume of 167 m^3 gives 6667 kg: write mass_kg"),
                       HasSubstr("the model is 10 x 10 x 10 m (scale")));
     EXPECT_EQ(error_of("model = \"wedge.obj\"\n"), "");
 }

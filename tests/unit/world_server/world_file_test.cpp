@@ -185,9 +185,10 @@ TEST_F(WorldFile, ErrorsNameFileLineKeyAndWhatIsAllowed) {
         {"[[object]]\nname = \"s\"\nshape = \"sphere\"\nsize_m = [1, 1, 1]\nmass_kg = 1\n",
          {"world.toml:4", "size_m: unknown key; write diameter_m"}},
         {"[[object]]\nname = \"s\"\nshape = \"box\"\nsize_m = [5, 5, 5]\nmaterial = \"wood\"\n",
-         {"world.toml:5: object[0].material: must give 0 kg to 10000 kg; its volume of 125 m^3 "
+         {"world.toml:5: object[0].material: must give a mass of 125 to 10000 kg",
+          "its volume of 125 m^3 "
           "gives "
-          "7.5e+04 kg: write mass_kg, or see its size: it is 5 x 5 x 5 m"}},
+          "75000 kg: write mass_kg, or see its size: it is 5 x 5 x 5 m"}},
         {kCorner + "material = \"cheese\"\n", {"world.toml:5", "material", "rubber", "wood"}},
         {kBall + "texture = \"models/none.png\"\n", {"world.toml:6", "texture", "none.png"}},
         {kBall + "texture = \"models/corner.obj\"\n", {"world.toml:6", "texture", ".png"}},

@@ -130,16 +130,14 @@ std::optional<ObjectProblem> find_problem(const RigidObject& object) {
     if (const auto problem = find_number_problem(object)) return problem;
     // before the mass, which may follow from the size
     if (const auto problem = find_size_problem(object)) return problem;
-    if (!(object.mass_kg >= 0.0 && object.mass_kg <= kMaxObjectMass_kg))
-        return ObjectProblem{"mass_kg", "must be 0 kg to 10000 kg"};
     if (object.mass_kg == 0.0) return std::nullopt;
     if (object.shape == ObjectShape::kPlane)
         return ObjectProblem{"mass_kg", "must be 0 for a plane"};
     const double density = object.mass_kg / volume_m3(object);
-    if (!(density >= kMinDensity_kg_per_m3 && density <= kMaxDensity_kg_per_m3)) {
-        return ObjectProblem{"mass_kg", mass_rule(volume_m3(object))};
-    }
-    return std::nullopt;
+    if (density >= kMinDensity_kg_per_m3 && density <= kMaxDensity_kg_per_m3 &&
+        object.mass_kg <= kMaxObjectMass_kg)
+        return std::nullopt;
+    return ObjectProblem{"mass_kg", mass_rule(volume_m3(object))};
 }
 
 }  // namespace atrium::physics
