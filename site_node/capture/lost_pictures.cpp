@@ -20,7 +20,7 @@ constexpr std::size_t kMaxChunks = 20'000'000;  // ends the walk through a hosti
 class AviWalk {
 public:
     explicit AviWalk(const std::filesystem::path& file) {
-        stream_.rdbuf()->pubsetbuf(nullptr, 0);  // eight bytes of each chunk are read
+        stream_.rdbuf()->pubsetbuf(nullptr, 0);  // only the heads of chunks are read
         stream_.open(file, std::ios::binary | std::ios::ate);
         if (stream_) end_ = static_cast<std::uint64_t>(stream_.tellg());
     }
@@ -92,10 +92,7 @@ private:
 
 }  // namespace
 
-LostPictures lost_pictures(const std::filesystem::path& avi) {
-    return avi.extension() == ".avi" || avi.extension() == ".AVI" ? AviWalk(avi).lost()
-                                                                  : LostPictures{};
-}
+LostPictures lost_pictures(const std::filesystem::path& avi) { return AviWalk(avi).lost(); }
 
 std::string text_of_lost_pictures(const LostPictures& lost) {
     constexpr std::size_t kNamed = 4;
