@@ -15,6 +15,7 @@ struct SoftContactOptions {
     // tick: a body that only soft objects carry falls at the start of each tick and is lifted
     // again.
     float still_mps = 0.1F;
+    float lost_m = 0.15F;  // solid scenery lets go of what was pressed this far through it
     float same_normal = 0.9F;  // cosine: of the faces of one direction, the nearest counts
 };
 

@@ -41,6 +41,27 @@ btVector3 nearest_on(const btVector3 (&corners)[3], const btVector3& point) {
     return btVector3(va, vb, vc) / (va + vb + vc);
 }
 
+// Empty if the face is degenerate.
+std::optional<btVector3> normal_of(const MovingFace& face) {
+    const btVector3 normal =
+        (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]);
+    const btScalar length = normal.length();
+    if (!(length > btScalar(1e-9))) return std::nullopt;  // [m^2]
+    return normal / length;
+}
+
+// Sets the weights of the nearest point of the face. Returns the distance from it, along the face.
+btScalar beside(const btVector3& at, const MovingFace& face, FaceContact& contact) {
+    const btVector3 weights = nearest_on(face.corners, at);
+    btVector3 off = at;
+    for (int i = 0; i < 3; ++i) {
+        contact.weights[i] = weights[i];
+        off -= face.corners[i] * weights[i];
+    }
+    off -= contact.normal * contact.normal.dot(off);
+    return off.length();
+}
+
 }  // namespace
 
 std::optional<FaceContact> find_contact(const SampleMotion& place,
@@ -49,10 +70,9 @@ std::optional<FaceContact> find_contact(const SampleMotion& place,
                                         const ContactLimits& limits) {
     FaceContact contact;
     btVector3& normal = contact.normal;
-    normal = (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]);
-    const btScalar length = normal.length();
-    if (!(length > btScalar(1e-9))) return std::nullopt;  // [m^2]: degenerate
-    normal /= length;
+    const auto facing_out = normal_of(face);
+    if (!facing_out) return std::nullopt;
+    normal = *facing_out;
     btScalar& distance = contact.distance;
     distance = normal.dot(place.position - face.corners[0]);
     const btScalar facing = outward != nullptr ? -normal.dot(*outward) : 0;
@@ -72,16 +92,28 @@ std::optional<FaceContact> find_contact(const SampleMotion& place,
     const btScalar until = distance - limits.gap_m;
     const btScalar share = until > 0 && closing > 0 ? std::min(btScalar(1), until / closing) : 0;
     const btVector3 at = place.position + way * share;
-    const btVector3 weights = nearest_on(face.corners, at);
-    btVector3 beside = at;
-    for (int i = 0; i < 3; ++i) {
-        contact.weights[i] = weights[i];
-        beside -= face.corners[i] * weights[i];
-    }
-    beside -= normal * normal.dot(beside);
-    const btScalar off = beside.length();
+    const btScalar off = beside(at, face, contact);
     if (off > limits.gap_m) return std::nullopt;
     contact.way = way.length() * share + std::abs(distance - closing * share) + off;
+    return contact;
+}
+
+std::optional<FaceContact> find_crossing(const btVector3& from,
+                                         const btVector3& to,
+                                         const MovingFace& face,
+                                         btScalar beside_m) {
+    const auto normal = normal_of(face);
+    if (!normal) return std::nullopt;
+    FaceContact contact;
+    const btScalar from_m = normal->dot(from - face.corners[0]);
+    const btScalar to_m = normal->dot(to - face.corners[0]);
+    if ((from_m > 0) == (to_m > 0)) return std::nullopt;
+    contact.normal = from_m > 0 ? *normal : -*normal;
+    contact.distance = -std::abs(to_m);
+    const btScalar share = from_m / (from_m - to_m);
+    const btVector3 way = (to - from) * share;
+    if (beside(from + way, face, contact) > beside_m) return std::nullopt;
+    contact.way = way.length();
     return contact;
 }
 

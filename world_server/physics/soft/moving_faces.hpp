@@ -19,7 +19,8 @@ struct MovingFace {
     btVector3 velocity;    // [m/s] of the centroid
     // node indices if the face belongs to a soft body; otherwise unused
     std::uint32_t nodes[3]{0, 0, 0};
-    bool is_skin = false;  // true: boundary of a volume behind it; false: two-sided
+    btScalar friction = 0;  // of scenery; unused for soft bodies
+    bool is_skin = false;   // true: boundary of a volume behind it; false: two-sided
 };
 
 /// Contact of a point and a face within a tick.
@@ -48,6 +49,14 @@ std::optional<FaceContact> find_contact(const SampleMotion& place,
                                         const MovingFace& face,
                                         const btVector3* outward,
                                         const ContactLimits& limits);
+
+/// Tests whether the straight line from `from` to `to` passes through a face, or beside it by at
+/// most `beside_m`. The normal of the contact points to the side of `from`, its distance is that of
+/// `to`, and its way is the length of the line up to the face. Empty if not.
+std::optional<FaceContact> find_crossing(const btVector3& from,
+                                         const btVector3& to,
+                                         const MovingFace& face,
+                                         btScalar beside_m);
 
 struct Box {
     btVector3 low, high;  // [m]

@@ -146,6 +146,7 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
     if (volume_) {
         skin.outward = volume_->outward();
         skin.depth_m = volume_->inner_radius_m();
+        skin.is_star_shaped = object_.shape != SoftShape::kModel;
     }
     // bodies anchored to its nodes touch them: contacts with them would fight the anchors
     loose_bodies_.clear();
@@ -341,6 +342,7 @@ void SoftBody::reset_to_start() {
         node.m_v.setZero();
     }
     num_torn_ticks_ = 0;
+    contacts_.forget_places();
     find_bounds();
 }
 
@@ -389,6 +391,7 @@ bool SoftBody::restore(const SoftState& state) {
         node.m_v = btVector3(v.x(), v.y(), v.z());
     }
     num_torn_ticks_ = state.num_torn_ticks;
+    contacts_.forget_places();
     find_bounds();
     return true;
 }

@@ -26,22 +26,6 @@ btScalar inverse_mass_of(const btRigidBody& body,
     return body.getInvMass() + turn.dot(body.getInvInertiaTensorWorld() * turn);
 }
 
-// Empty if the soft body is not a volume.
-std::optional<btVector3> outward_at(const SoftSample& sample, std::span<const btVector3> outward) {
-    if (outward.empty()) return std::nullopt;
-    btVector3 out(0, 0, 0);
-    for (int i = 0; i < 3; ++i) out += sample.weights[i] * outward[sample.nodes[i]];
-    return out;
-}
-
-bool is_from_inside(const SoftContact& contact,
-                    const SoftSample& sample,
-                    const SoftSkin& skin,
-                    btScalar from_inside) {
-    const auto out = outward_at(sample, skin.outward);
-    return out && contact.normal.dot(*out) > from_inside;
-}
-
 // Velocity of the surface, including impulses on the body since the contact was found.
 btVector3 velocity_of(const SoftContact& c) {
     return c.body != nullptr ? c.body->getVelocityInLocalPoint(c.arm) : c.velocity;
@@ -107,47 +91,6 @@ std::optional<SoftContact> find_person_contact(const PeopleField& people,
     return contact;
 }
 
-// Collects the triangles that Bullet's tree reports.
-class FaceCollector final : public btTriangleCallback {
-public:
-    FaceCollector(const btTransform& world_from_mesh, const ContactLimits& limits, FaceIndex& faces)
-        : world_from_mesh_(world_from_mesh), limits_(limits), faces_(faces) {}
-    void processTriangle(btVector3* corners, int /*part*/, int /*triangle*/) override {
-        MovingFace face;
-        face.velocity.setZero();
-        for (int i = 0; i < 3; ++i) face.corners[i] = world_from_mesh_ * corners[i];
-        faces_.add(face, limits_);
-    }
-
-private:
-    const btTransform& world_from_mesh_;
-    const ContactLimits& limits_;
-    FaceIndex& faces_;
-};
-
-// Keeps the nearest contact for each face direction, three at most.
-class NearestPerNormal {
-public:
-    explicit NearestPerNormal(btScalar same_normal) : same_normal_(same_normal) {}
-    void add(const FaceContact& face_contact) {
-        FaceContact* const end = kept_.data() + num_kept_;
-        FaceContact* const same = std::find_if(kept_.data(), end, [&](const FaceContact& kept) {
-            return kept.normal.dot(face_contact.normal) > same_normal_;
-        });
-        if (same != end) {
-            if (face_contact.way < same->way) *same = face_contact;
-        } else if (num_kept_ < kept_.size()) {
-            kept_[num_kept_++] = face_contact;
-        }
-    }
-    std::span<const FaceContact> all() const { return {kept_.data(), num_kept_}; }
-
-private:
-    btScalar same_normal_;  // cosine
-    std::array<FaceContact, 3> kept_{};
-    std::size_t num_kept_ = 0;
-};
-
 }  // namespace
 
 void SoftContacts::find(btSoftBody& soft,
@@ -165,8 +108,9 @@ void SoftContacts::find(btSoftBody& soft,
             const SoftSample& sample = skin.samples[i];
             if (!(ways_[i].inverse_mass > 0) || is_any_loose(sample, skin.loose)) continue;
             const auto contact = find_person_contact(*people, ways_[i], setup);
-            if (!contact || is_from_inside(*contact, sample, skin, setup.options.from_inside))
-                continue;
+            if (!contact) continue;
+            const auto out = outward_at(skin, i);
+            if (out && contact->normal.dot(*out) > setup.options.from_inside) continue;
             contacts_.push_back(*contact);
             contacts_.back().sample = sample;
             ++num_person_contacts_;
@@ -174,11 +118,9 @@ void SoftContacts::find(btSoftBody& soft,
     }
     is_calm_ = skin.is_calm && num_person_contacts_ == 0;
     for (btRigidBody* body : bodies) {
-        if (body->getCollisionShape()->getShapeType() == TRIANGLE_MESH_SHAPE_PROXYTYPE)
-            find_with_mesh(soft, *body, skin, setup);
-        else
-            find_with(soft, *body, skin, supports, setup);
+        if (!is_scenery(*body)) find_with(soft, *body, skin, supports, setup);
     }
+    find_with_scenery(soft, bodies, skin, setup);
 }
 
 // Contacts with one rigid body. Most bodies are out of reach as a whole.
@@ -223,47 +165,28 @@ void SoftContacts::find_with(const btSoftBody& soft,
     }
 }
 
-// Contacts with one static mesh of two-sided faces. In a corner, a sample can meet several faces
-// with different normals.
-void SoftContacts::find_with_mesh(const btSoftBody& soft,
-                                  const btRigidBody& body,
-                                  const SoftSkin& skin,
-                                  const SoftContactSetup& setup) {
+void SoftContacts::find_with_scenery(const btSoftBody& soft,
+                                     const std::vector<btRigidBody*>& bodies,
+                                     const SoftSkin& skin,
+                                     const SoftContactSetup& setup) {
     const ContactLimits limits{setup.tick_s,
                                setup.thickness_m,
                                setup.options.margin_m,
-                               skin.depth_m,
+                               setup.options.lost_m,
                                setup.options.from_inside};
-    const auto& mesh = static_cast<const btBvhTriangleMeshShape&>(*body.getCollisionShape());
-    FaceCollector taker(body.getWorldTransform(), limits, faces_);
-    const btTransform mesh_from_world = body.getWorldTransform().inverse();
-    btVector3 low, high;
-    btTransformAabb(soft.m_bounds[0], soft.m_bounds[1], 0, mesh_from_world, low, high);
-    faces_.clear();
-    mesh.processAllTriangles(&taker, low, high);
-    if (faces_.empty()) return;
-    faces_.sort();
-    for (std::size_t i = 0; i < skin.samples.size(); ++i) {
-        if (!(ways_[i].inverse_mass > 0)) continue;
-        const auto outward = outward_at(skin.samples[i], skin.outward);
-        const btVector3* out = outward ? &*outward : nullptr;
-        NearestPerNormal nearest(setup.options.same_normal);
-        const Box box = swept_bounds(ways_[i], out, limits);
-        faces_.visit_box(box, [&](const MovingFace& face) {
-            if (const auto face_contact = find_contact(ways_[i], face, out, limits))
-                nearest.add(*face_contact);
-        });
-        for (const FaceContact& face_contact : nearest.all()) {
-            SoftContact contact;
-            contact.sample = skin.samples[i];
-            contact.normal = face_contact.normal;
-            const btScalar gap = face_contact.distance - setup.thickness_m;
-            contact.point = ways_[i].position - face_contact.normal * gap;
-            contact.velocity.setZero();
-            contact.depth = std::max(btScalar(0), -gap);
-            contact.friction = std::sqrt(setup.friction * body.getFriction());
-            contacts_.push_back(contact);
-        }
+    const Box bounds{soft.m_bounds[0], soft.m_bounds[1]};
+    const auto found =
+        scenery_.find(skin, ways_, bodies, bounds, limits, setup.options.same_normal);
+    for (const SceneryContact& with : found) {
+        SoftContact contact;
+        contact.sample = skin.samples[with.sample];
+        contact.normal = with.normal;
+        const btScalar gap = with.distance - setup.thickness_m;
+        contact.point = ways_[with.sample].position - with.normal * gap;
+        contact.velocity.setZero();
+        contact.depth = std::max(btScalar(0), -gap);
+        contact.friction = std::sqrt(setup.friction * with.friction);
+        contacts_.push_back(contact);
     }
 }
 

@@ -2,14 +2,13 @@
 
 #include "world_server/physics/options/soft_options.hpp"
 #include "world_server/physics/rigid/supports.hpp"
-#include "world_server/physics/soft/moving_faces.hpp"
 #include "world_server/physics/soft/soft_sample.hpp"
+#include "world_server/physics/soft/soft_scenery.hpp"
 
 #include <LinearMath/btVector3.h>
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 class btRigidBody;
@@ -49,20 +48,6 @@ struct SoftContactSetup {
     btScalar person_friction = 0;
 };
 
-/// The surface of a soft body for contact detection.
-struct SoftSkin {
-    std::span<const SoftSample> samples{};
-    /// Volumes only, per node: outward unit normal of the rest shape. A surface that faces the same
-    /// way has come up inside the volume. It makes no contact, else the skin would hook on to it.
-    std::span<const btVector3> outward{};
-    btScalar depth_m = 0;  // volumes only: depth that scenery faces may reach
-    // per node; not 0: stretched too far for people to hold it
-    std::span<const std::uint8_t> loose{};
-    /// The soft body is slow, and no viewer pulls at it. The bodies that it touches may sleep, and
-    /// sleeping ones yield to it as little as fixed ones. Otherwise it wakes them.
-    bool is_calm = false;
-};
-
 /// The objects that can touch a soft body in a tick.
 struct SoftSurroundings {
     const PeopleField* people = nullptr;  // at the start of the tick
@@ -85,6 +70,8 @@ public:
               const std::vector<btRigidBody*>& bodies,
               const Supports& supports,
               const SoftContactSetup& setup);
+    /// Call when the soft body was moved at once, as by a reset.
+    void forget_places() { scenery_.forget(); }
     // For each equal substep of the tick: begin_substep, solve any number of times, end_substep.
     void begin_substep();
     /// Moves the nodes out of penetrated surfaces. `left_s`: from the end of this substep to the
@@ -117,14 +104,14 @@ private:
                    const SoftSkin& skin,
                    const Supports& supports,
                    const SoftContactSetup& setup);
-    void find_with_mesh(const btSoftBody& soft,
-                        const btRigidBody& body,
-                        const SoftSkin& skin,
-                        const SoftContactSetup& setup);
+    void find_with_scenery(const btSoftBody& soft,
+                           const std::vector<btRigidBody*>& bodies,
+                           const SoftSkin& skin,
+                           const SoftContactSetup& setup);
 
     std::vector<SoftContact> contacts_;
     std::vector<SampleMotion> ways_;  // one per sample
-    FaceIndex faces_;                 // scratch
+    SoftScenery scenery_;
     std::size_t num_person_contacts_ = 0;
     bool is_calm_ = false;  // as of `find`
 };

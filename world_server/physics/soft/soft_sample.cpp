@@ -6,6 +6,14 @@
 
 namespace atrium::physics {
 
+std::optional<btVector3> outward_at(const SoftSkin& skin, std::size_t i) {
+    if (skin.outward.empty()) return std::nullopt;
+    const SoftSample& sample = skin.samples[i];
+    btVector3 out(0, 0, 0);
+    for (int k = 0; k < 3; ++k) out += sample.weights[k] * skin.outward[sample.nodes[k]];
+    return out;
+}
+
 SampleMotion motion_of(const btSoftBody& soft, const SoftSample& sample) {
     SampleMotion m{btVector3(0, 0, 0), btVector3(0, 0, 0), 0};
     for (int i = 0; i < 3; ++i) {
