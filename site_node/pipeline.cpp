@@ -255,6 +255,7 @@ rig_check::Look Pipeline::look(const Silhouettes& silhouettes, const hull::Visua
     if (hull.status != hull::HullStatus::kOk) return look;
     look.hull_extent = geometry::bounds(hull.mesh);
     look.hull_volume_m3 = geometry::volume_m3(hull.mesh);
+    look.footing = rig_check::find_footing(hull.mesh);
     return look;
 }
 

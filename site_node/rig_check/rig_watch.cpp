@@ -1,5 +1,6 @@
 #include "site_node/rig_check/rig_watch.hpp"
 
+#include "site_node/rig_check/agreeing_depths.hpp"
 #include "site_node/rig_check/diagnosis.hpp"
 #include "site_node/rig_check/hull_size.hpp"
 
@@ -24,8 +25,12 @@ constexpr std::size_t kQuickDiagnoses = 10;
 constexpr std::chrono::seconds kDiagnosisPeriod{30};
 constexpr const char* kAllDropped = "all_dropped";  // may be meant
 constexpr const char* kSmall = "small";
+constexpr const char* kBelowFloor =
+    "; if people reach far below z = 0, it is not the floor: import the calibration again with the "
+    "measured height of a lens, --camera-height CAMERA METRES";
 constexpr double kPersonFits_m = 1.5;  // bounds of less height are not for whole people
 constexpr double kCutShare = 0.05;
+constexpr double kCutHere_m = 0.05;  // a hull that ends so near the bounds may be cut
 constexpr double kSeldomCut = 0.02;  // a look with less is not one that the bounds cut
 
 }  // namespace
@@ -65,6 +70,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         judge_agreement(look, agreement, now, go_on);
         judge_bounds(look, agreement);
         judge_size(look, agreement);
+        judge_floor(look);
     }
     judge_outside(look, agreement);
     std::vector<std::string> lines;
@@ -199,10 +205,11 @@ void RigWatch::judge_bounds(const Look& look, const Agreement& agreement) {
                      static_cast<double>(camera.cut) /
                          static_cast<double>(std::max<std::size_t>(camera.rays, 1))),
          fmt::format("the bounds cut people at {} = {:.2f} m, where the bounds end at {:.2f} m: "
-                     "enlarge hull.bounds, or [bounds] of the rig",
+                     "enlarge hull.bounds, or [bounds] of the rig{}",
                      "xyz"[axis],
                      agreement.farthest_cut_m[face],
-                     limit_m));
+                     limit_m,
+                     axis == 2 && !is_above && limit_m < kCutHere_m ? kBelowFloor : ""));
 }
 
 void RigWatch::judge_size(const Look& look, const Agreement& agreement) {
@@ -247,6 +254,30 @@ void RigWatch::judge_smallness(const Look& look, const Agreement& agreement) {
          kManyVotes,
          "hull_size_implausible",
          doubt_small_hull(look.hull_extent, look.hull_volume_m3));
+}
+
+// A calibration with a board on a table has its floor at the table's height.
+void RigWatch::judge_floor(const Look& look) {
+    if (!look.footing) return;
+    const Eigen::Vector3d& feet = look.footing->feet_site;
+    // bounds above the floor are not for whole people
+    if (options_.bounds &&
+        (options_.bounds->min.z() > kCutHere_m || feet.z() < options_.bounds->min.z() + kCutHere_m))
+        return;
+    const Eigen::Vector3d on_floor(feet.x(), feet.y(), 0.0);
+    const auto num_seeing =
+        static_cast<std::size_t>(std::ranges::count_if(look.views, [&](const auto& view) {
+            return Projector(view.view, options_.knows_outside).is_in_picture(on_floor);
+        }));
+    floor_.add(*look.footing,
+               num_seeing >= 2 && (num_seeing == look.views.size() || !options_.knows_outside));
+    const auto feet_m = floor_.feet_off_floor_m();
+    if (!feet_m) return;
+    const views::NamedView& first = look.views.front();
+    vote("floor",
+         1,
+         fmt::format("feet_off_floor metres={:.2f}", *feet_m),
+         explain_floor(*feet_m, first.name, first.view.camera_from_site.inverse().translation.z()));
 }
 
 std::vector<std::string> RigWatch::finish() {

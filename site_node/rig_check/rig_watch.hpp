@@ -2,6 +2,7 @@
 
 #include "core/geometry/aabb.hpp"
 #include "site_node/rig_check/agreement.hpp"
+#include "site_node/rig_check/floor_check.hpp"
 #include "site_node/views/named_view.hpp"
 
 #include <chrono>
@@ -20,6 +21,7 @@ struct Look {
     std::vector<views::NamedView> views;
     geometry::Aabb hull_extent;  // empty: no hull, or an empty one
     double hull_volume_m3 = 0.0;
+    std::optional<Footing> footing;
 };
 
 /// Judges the rig of a running site from one metaframe about once a second. A finding needs several
@@ -86,6 +88,7 @@ private:
     void judge_bounds(const Look& look, const Agreement& agreement);
     void judge_size(const Look& look, const Agreement& agreement);
     void judge_smallness(const Look& look, const Agreement& agreement);
+    void judge_floor(const Look& look);
 
     AgreementOptions options_;
     bool has_seen_large_ = false;  // a hull that a person may have: the scale is right
@@ -97,6 +100,7 @@ private:
     std::size_t num_diagnoses_ = 0;
     std::deque<double> recent_shares_;
     std::deque<Cut> recent_cuts_;
+    FloorCheck floor_;
     std::string last_reason_;
 };
 

@@ -2,6 +2,7 @@
 """Spoils a recording as users do, for the rows of the table of causes.
 
     spoil_recording.py RIG.toml FACTOR|invert|opengl|yup    translations in another unit, or extrinsics of another convention
+    spoil_recording.py RIG.toml table|pit                   origin 0.74 m above the floor, or 0.4 m below it
     spoil_recording.py CAMERA black|small|background        silhouettes without anybody, or pictures of half the size
     spoil_recording.py CAMERA cut|zeros|lost                frames as an uncompressed video, cut off, with zeros inside, or without
                                                             bytes for pictures 4 to 6
@@ -28,6 +29,9 @@ def spoil(how, rotation, translation):
         return rotation[:3] + [-x for x in rotation[3:]], [translation[0], -translation[1], -translation[2]]
     if how == "yup":
         return product(rotation, [1, 0, 0, 0, 0, -1, 0, 1, 0]), translation
+    if how in ("table", "pit"):
+        origin_m = 0.74 if how == "table" else -0.4
+        return rotation, [translation[i] + origin_m * rotation[3 * i + 2] for i in range(3)]
     return rotation, [float(how) * x for x in translation]
 
 

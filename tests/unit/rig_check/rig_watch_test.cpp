@@ -142,6 +142,63 @@ TEST(RigWatch, TellsOfBoundsThatCutPeople) {
     for (std::uint64_t i = 0; i < 30; ++i) run.look(person(i));
     EXPECT_THAT(run.lines, ElementsAre(HasSubstr("bounds_cut_people")));
     EXPECT_THAT(run.lines.front(), HasSubstr("where the bounds end at 0.25 m"));
+    EXPECT_THAT(run.lines.front(), testing::Not(HasSubstr("--camera-height")));
+}
+
+TEST(RigWatch, DoubtsTheFloorIfBoundsCutPeopleThere) {
+    WatchRun run;
+    AgreementOptions options;
+    options.bounds = geometry::Aabb{{-2.0, -2.0, 0.0}, {2.0, 2.0, 2.4}};
+    run.watch = RigWatch(options);
+    for (std::uint64_t i = 0; i < 30; ++i) {
+        Look look = person(i);
+        for (auto& [name, view] : look.views)
+            view.camera_from_site.translation +=
+                view.camera_from_site.rotation * Eigen::Vector3d(0.0, 0.0, 0.4);
+        run.look(look);
+    }
+    EXPECT_THAT(run.lines, ElementsAre(HasSubstr("bounds_cut_people")));
+    EXPECT_THAT(run.lines.front(), HasSubstr("--camera-height CAMERA METRES"));
+}
+
+Look person_with_feet(std::uint64_t seed, double feet_m) {
+    Look look = person(seed);
+    look.footing = Footing{{0.0, 0.0, feet_m}, 1.7};
+    return look;
+}
+
+TEST(RigWatch, FindsAFloorAboveOrBelowTheFeetOnce) {
+    for (const double feet_m : {-0.74, 0.4}) {
+        WatchRun run;
+        for (std::uint64_t i = 0; i < 9; ++i) run.look(person_with_feet(i, feet_m));
+        EXPECT_THAT(run.lines, IsEmpty());
+        EXPECT_THAT(run.watch.finish(), IsEmpty());
+        for (std::uint64_t i = 0; i < 9; ++i) run.look(person_with_feet(i, feet_m));
+        ASSERT_EQ(run.lines.size(), 1u);
+        EXPECT_THAT(run.lines.front(), HasSubstr("feet_off_floor"));
+        EXPECT_THAT(run.lines.front(), HasSubstr("--camera-height cam0 METRES"));
+    }
+    WatchRun good;
+    for (std::uint64_t i = 0; i < 20; ++i) good.look(person_with_feet(i, 0.02));
+    EXPECT_THAT(good.lines, IsEmpty());
+}
+
+TEST(RigWatch, IsSilentAboutFeetThatBoundsOrPicturesMayCut) {
+    for (const double lowest_m : {-0.5, 0.5}) {
+        WatchRun run;
+        AgreementOptions options;
+        options.bounds = geometry::Aabb{{-2.0, -2.0, lowest_m}, {2.0, 2.0, 2.4}};
+        run.watch = RigWatch(options);
+        for (std::uint64_t i = 0; i < 20; ++i) run.look(person_with_feet(i, lowest_m + 0.02));
+        EXPECT_THAT(run.lines, testing::Not(testing::Contains(HasSubstr("feet_off_floor"))));
+    }
+    WatchRun run;
+    for (std::uint64_t i = 0; i < 20; ++i) {
+        Look look = person_with_feet(i, 0.5);
+        look.views[2].view.intrinsics.height = 100;  // ends far above the feet
+        run.look(look);
+    }
+    EXPECT_THAT(run.lines, testing::Not(testing::Contains(HasSubstr("feet_off_floor"))));
 }
 
 TEST(RigWatch, ReportsAtTheEndOfAShortRun) {

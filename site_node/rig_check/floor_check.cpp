@@ -1,0 +1,128 @@
+#include "site_node/rig_check/floor_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace atrium::rig_check {
+namespace {
+
+constexpr double kLevel_m = 0.01;
+constexpr double kHalfSole_m2 = 0.01;
+constexpr double kTallest_m = 3.5;
+// A hull as high as a whole person who sits or stands. Lower ones may be the upper half of a person
+// behind a table, higher ones hold ghosts or several people above each other.
+constexpr double kLeastHeight_m = 1.0;
+constexpr double kMostHeight_m = 2.4;
+// Measured feet of people on the floor: +0.00 m from 8 and 20 cameras, -0.07 and -0.11 m from 4
+// cameras, because the cones of cameras that look down meet below the feet. Steeper cameras reach
+// deeper. Above, silhouettes miss dark shoes, up to the ankles.
+constexpr double kBelow_m = -0.25;
+constexpr double kAbove_m = 0.2;
+constexpr std::size_t kLeastInstants = 10;
+constexpr std::size_t kMostInstants = 600;  // these have decided it
+constexpr double kMostlyOff = 0.8;
+
+struct Section {
+    double area_m2 = 0.0;
+    Eigen::Vector2d moment = Eigen::Vector2d::Zero();  // area times middle
+};
+
+// Sections of a mesh by levels kLevel_m apart, by Green's theorem. `origin`: of all coordinates.
+std::vector<Section> cut_levels(const geometry::TriangleMesh& mesh,
+                                const Eigen::Vector3d& origin,
+                                std::size_t num_levels) {
+    std::vector<Section> sections(num_levels);
+    for (const auto& triangle : mesh.triangles) {
+        const std::array<Eigen::Vector3d, 3> corners{mesh.vertices[triangle[0]] - origin,
+                                                     mesh.vertices[triangle[1]] - origin,
+                                                     mesh.vertices[triangle[2]] - origin};
+        const auto [low, high] = std::minmax({corners[0].z(), corners[1].z(), corners[2].z()});
+        const auto first = static_cast<std::size_t>(std::max(0.0, std::ceil(low / kLevel_m)));
+        for (std::size_t i = first; i < num_levels; ++i) {
+            const double z = static_cast<double>(i) * kLevel_m;
+            if (z >= high) break;
+            Eigen::Vector2d from = Eigen::Vector2d::Zero();
+            Eigen::Vector2d to = Eigen::Vector2d::Zero();
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Eigen::Vector3d& a = corners[k];
+                const Eigen::Vector3d& b = corners[(k + 1) % 3];
+                if ((a.z() > z) == (b.z() > z)) continue;
+                const Eigen::Vector3d p = a + (z - a.z()) / (b.z() - a.z()) * (b - a);
+                (a.z() > z ? from : to) = p.head<2>();  // the inside is on the left
+            }
+            const double twice_m2 = from.x() * to.y() - from.y() * to.x();
+            sections[i].area_m2 += 0.5 * twice_m2;
+            sections[i].moment += twice_m2 / 6.0 * (from + to);
+        }
+    }
+    return sections;
+}
+
+}  // namespace
+
+std::optional<Footing> find_footing(const geometry::TriangleMesh& hull) {
+    const geometry::Aabb extent = geometry::bounds(hull);
+    if (extent.empty() || !(extent.size().z() < kTallest_m)) return std::nullopt;
+    Eigen::Vector3d origin = extent.centre();
+    origin.z() = extent.min.z();
+    const auto num_levels = static_cast<std::size_t>(extent.size().z() / kLevel_m) + 1;
+    const std::vector<Section> sections = cut_levels(hull, origin, num_levels);
+    for (std::size_t i = 0; i < num_levels; ++i) {
+        const Section& section = sections[i];
+        if (section.area_m2 < kHalfSole_m2) continue;
+        const Eigen::Vector2d middle = section.moment / section.area_m2;
+        const double above_m = static_cast<double>(i) * kLevel_m;
+        return Footing{origin + Eigen::Vector3d(middle.x(), middle.y(), above_m),
+                       extent.size().z() - above_m};
+    }
+    return std::nullopt;
+}
+
+void FloorCheck::add(const Footing& footing, bool is_floor_seen) {
+    const double feet_m = footing.feet_site.z();
+    if (footing.height_m < kLeastHeight_m || footing.height_m > kMostHeight_m) return;
+    if ((feet_m > kAbove_m && !is_floor_seen) || feet_m_.size() >= kMostInstants) return;
+    feet_m_.push_back(feet_m);
+}
+
+std::optional<double> FloorCheck::feet_off_floor_m() const {
+    if (feet_m_.size() < kLeastInstants) return std::nullopt;
+    const auto is_most = [&](auto is_off) {
+        return static_cast<double>(std::ranges::count_if(feet_m_, is_off)) >=
+               kMostlyOff * static_cast<double>(feet_m_.size());
+    };
+    if (!is_most([](double feet_m) { return feet_m < kBelow_m; }) &&
+        !is_most([](double feet_m) { return feet_m > kAbove_m; }))
+        return std::nullopt;
+    std::vector<double> sorted = feet_m_;
+    const auto median = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::ranges::nth_element(sorted, median);
+    return *median;
+}
+
+std::string explain_floor(double feet_m, const std::string& camera, double lens_z_m) {
+    const std::string seen =
+        feet_m < 0.0 ? fmt::format(
+                           "people stand {:.2f} m below the floor, z = 0 of the rig: its origin "
+                           "lies above the floor, as that of a board on a table does, or its up "
+                           "direction is wrong",
+                           -feet_m)
+                     : fmt::format(
+                           "the feet of people stay {:.2f} m above the floor, z = 0 of the rig: if "
+                           "they do not stand on a platform and nothing hides their feet, the "
+                           "origin lies below the floor, or the up direction is wrong",
+                           feet_m);
+    return fmt::format(
+        "{}: measure how high the lens of {} is above the floor, about {:.2f} m by "
+        "this, and import the calibration again: atrium calibrate import ... "
+        "--camera-height {} METRES",
+        seen,
+        camera,
+        lens_z_m - feet_m,
+        camera);
+}
+
+}  // namespace atrium::rig_check

@@ -1,0 +1,128 @@
+#include "site_node/rig_check/floor_check.hpp"
+
+#include "tests/support/shapes/closed_meshes.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/scene_maker.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <vector>
+
+namespace atrium::rig_check {
+namespace {
+
+using testing::HasSubstr;
+
+// Feet at these heights, of somebody of 1.7 m, below whom the floor is seen.
+std::optional<double> judge(const std::vector<double>& feet_m,
+                            double height_m = 1.7,
+                            bool is_floor_seen = true) {
+    FloorCheck check;
+    for (const double z : feet_m) check.add({{0.4, -0.2, z}, height_m}, is_floor_seen);
+    return check.feet_off_floor_m();
+}
+
+std::vector<double> constant(double z, std::size_t count = 10) {
+    return std::vector<double>(count, z);
+}
+
+TEST(FloorCheck, IsSilentAboutPeopleOnTheFloor) {
+    for (const double z : {-0.2, -0.1, 0.0, 0.1, 0.15}) EXPECT_FALSE(judge(constant(z))) << z;
+    EXPECT_FALSE(judge({}));
+}
+
+TEST(FloorCheck, FindsPeopleInTheFloorAndAboveIt) {
+    EXPECT_DOUBLE_EQ(judge(constant(-0.74)).value_or(0.0), -0.74);
+    EXPECT_DOUBLE_EQ(judge(constant(0.3)).value_or(0.0), 0.3);
+    EXPECT_NEAR(judge({-0.8, -0.7, -0.7, -0.75, -0.72, -0.1, -0.74, -0.9, -0.74, -0.76, -0.74})
+                    .value_or(0.0),
+                -0.74,
+                0.005);
+}
+
+TEST(FloorCheck, NeedsTenInstantsOfAWholePerson) {
+    EXPECT_FALSE(judge(constant(-0.74, 9)));
+    EXPECT_FALSE(judge(constant(-0.74, 30), 0.95));  // lies, or half of a person behind a table
+    EXPECT_FALSE(judge(constant(-0.74, 30), 2.6));
+    EXPECT_TRUE(judge(constant(-0.74), 1.3));  // on a chair
+}
+
+TEST(FloorCheck, IsSilentAboutFeetThatNoPictureMayShow) {
+    EXPECT_FALSE(judge(constant(0.5, 30), 1.2, false));
+    EXPECT_TRUE(judge(constant(-0.5), 1.7, false));
+}
+
+TEST(FloorCheck, IsSilentAboutPeopleWhoJumpOrClimb) {
+    std::vector<double> feet_m = constant(0.0, 6);
+    for (int i = 0; i < 20; ++i) feet_m.push_back(i % 2 == 0 ? 0.4 : 0.02);
+    EXPECT_FALSE(judge(feet_m));
+    std::vector<double> stage = constant(0.0, 100);
+    stage.resize(400, 0.6);
+    EXPECT_FALSE(judge(stage));
+    // on both sides in turn: no height of the floor is right
+    std::vector<double> tilted = constant(-0.3, 10);
+    tilted.resize(20, 0.3);
+    EXPECT_FALSE(judge(tilted));
+}
+
+TEST(FloorCheck, SaysCauseAndCure) {
+    const std::string table = explain_floor(-0.74, "door", 1.4);
+    EXPECT_THAT(table, HasSubstr("people stand 0.74 m below the floor"));
+    EXPECT_THAT(table, HasSubstr("about 2.14 m"));
+    EXPECT_THAT(table, HasSubstr("--camera-height door METRES"));
+    const std::string above = explain_floor(0.3, "door", 1.4);
+    EXPECT_THAT(above, HasSubstr("stay 0.30 m above the floor"));
+    EXPECT_THAT(above, HasSubstr("nothing hides their feet"));
+    EXPECT_THAT(above, HasSubstr("about 1.10 m"));
+}
+
+TEST(FindFooting, FindsTheLowestSectionOfHalfASole) {
+    geometry::TriangleMesh mesh = test::make_octahedron({0.5, -1.0, 0.8}, 0.8);
+    const auto footing = find_footing(mesh);
+    ASSERT_TRUE(footing);
+    // the section at height z is a square with a diagonal of 2 z: 2 z^2 = 0.01 m2 at 0.071 m
+    EXPECT_NEAR(footing->feet_site.z(), 0.08, 1e-9);
+    EXPECT_NEAR(footing->feet_site.x(), 0.5, 1e-9);
+    EXPECT_NEAR(footing->feet_site.y(), -1.0, 1e-9);
+    EXPECT_NEAR(footing->height_m, 1.52, 1e-9);
+    // a thin spike below it does not count
+    geometry::TriangleMesh spike = test::make_octahedron(Eigen::Vector3d::Zero(), 1.0);
+    for (Eigen::Vector3d& p : spike.vertices)
+        p = Eigen::Vector3d(0.5 + 0.03 * p.x(), -1.0 + 0.03 * p.y(), 0.5 * p.z() - 0.2);
+    test::append(mesh, spike);
+    const auto same = find_footing(mesh);
+    ASSERT_TRUE(same);
+    EXPECT_NEAR(same->feet_site.z(), 0.075, 0.01);
+}
+
+TEST(FindFooting, FindsNoneInTinyEmptyAndTallMeshes) {
+    EXPECT_FALSE(find_footing({}));
+    EXPECT_FALSE(find_footing(test::make_octahedron(Eigen::Vector3d::Zero(), 0.04)));
+    EXPECT_FALSE(find_footing(test::make_octahedron(Eigen::Vector3d::Zero(), 100.0)));
+}
+
+// The hull of cameras that look down ends below the feet.
+TEST(FindFooting, IsNearTheFloorUnderSteepCameras) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        std::mt19937_64 random(seed);
+        test::Bodies bodies;
+        bodies.parts = test::make_person(random, Eigen::Vector3d::Zero());
+        const auto rig = test::make_ring_rig(
+            {.num_cameras = 4, .radius_m = 2.5, .heights_m = {2.6}, .focal_px = 700.0});
+        const auto views = test::views_of(bodies, rig, {}, random);
+        hull::HullScratch scratch;
+        const hull::VisualHull hull = hull::compute_visual_hull(views, {}, scratch);
+        ASSERT_EQ(hull.status, hull::HullStatus::kOk);
+        const auto footing = find_footing(hull.mesh);
+        ASSERT_TRUE(footing);
+        EXPECT_FALSE(judge(constant(footing->feet_site.z()), footing->height_m))
+            << footing->feet_site.z();
+    }
+}
+
+}  // namespace
+}  // namespace atrium::rig_check
