@@ -1,5 +1,7 @@
 #include "site_node/rig_check/floor_check.hpp"
 
+#include "site_node/rig_check/agreeing_depths.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -79,6 +81,17 @@ std::optional<Footing> find_footing(const geometry::TriangleMesh& hull) {
                        extent.size().z() - above_m};
     }
     return std::nullopt;
+}
+
+bool sees_floor(std::span<const views::NamedView> views,
+                const Eigen::Vector3d& feet_site,
+                bool knows_outside) {
+    const Eigen::Vector3d on_floor(feet_site.x(), feet_site.y(), 0.0);
+    const auto num_seeing =
+        static_cast<std::size_t>(std::ranges::count_if(views, [&](const auto& view) {
+            return Projector(view.view, knows_outside).is_in_picture(on_floor);
+        }));
+    return num_seeing >= 2 && (num_seeing == views.size() || !knows_outside);
 }
 
 void FloorCheck::add(const Footing& footing, bool is_floor_seen) {

@@ -1,11 +1,13 @@
 #pragma once
 
 #include "core/geometry/triangle_mesh.hpp"
+#include "site_node/views/named_view.hpp"
 
 #include <Eigen/Core>
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,12 +24,17 @@ struct Footing {
 /// section, and for meshes that are too tall for people.
 std::optional<Footing> find_footing(const geometry::TriangleMesh& hull);
 
+/// True if the cameras see the place below or above the feet at z = 0: all of them, or two if what
+/// lies outside a picture is unknown. Else feet above it may be out of the pictures.
+bool sees_floor(std::span<const views::NamedView> views,
+                const Eigen::Vector3d& feet_site,
+                bool knows_outside);
+
 /// Judges from the hulls of many instants whether z = 0 is the floor: people who walk, sit or jump
 /// have a foot on it most of the time. Needs 10 instants, which should be about a second apart.
 class FloorCheck {
 public:
-    /// `is_floor_seen`: the cameras see the place of the feet down to z = 0. Else feet may be out
-    /// of all pictures.
+    /// `is_floor_seen`: see sees_floor.
     void add(const Footing& footing, bool is_floor_seen);
 
     /// [m] Height of the feet above z = 0 (negative: below), the median. nullopt if z = 0 may be

@@ -1,6 +1,5 @@
 #include "site_node/rig_check/rig_watch.hpp"
 
-#include "site_node/rig_check/agreeing_depths.hpp"
 #include "site_node/rig_check/diagnosis.hpp"
 #include "site_node/rig_check/hull_size.hpp"
 
@@ -264,13 +263,7 @@ void RigWatch::judge_floor(const Look& look) {
     if (options_.bounds &&
         (options_.bounds->min.z() > kCutHere_m || feet.z() < options_.bounds->min.z() + kCutHere_m))
         return;
-    const Eigen::Vector3d on_floor(feet.x(), feet.y(), 0.0);
-    const auto num_seeing =
-        static_cast<std::size_t>(std::ranges::count_if(look.views, [&](const auto& view) {
-            return Projector(view.view, options_.knows_outside).is_in_picture(on_floor);
-        }));
-    floor_.add(*look.footing,
-               num_seeing >= 2 && (num_seeing == look.views.size() || !options_.knows_outside));
+    floor_.add(*look.footing, sees_floor(look.views, feet, options_.knows_outside));
     const auto feet_m = floor_.feet_off_floor_m();
     if (!feet_m) return;
     const views::NamedView& first = look.views.front();

@@ -4,6 +4,7 @@
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
+#include "tools/calibrate/recording/floor_doubt.hpp"
 #include "tools/calibrate/recording/make_recording.hpp"
 #include "tools/calibrate/recording/room_checks.hpp"
 #include "tools/calibrate/recording/words.hpp"
@@ -325,6 +326,9 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     append(report.problems, conclusion->problems);
     for (const RoomDoubt& doubt : doubt_rooms(*material))
         (doubt.is_in_most_cameras ? report.problems : report.checks).push_back(doubt.text);
+    if (auto doubt = doubt_of_floor(*material, conclusion->rig.cameras, options.invert_masks);
+        !doubt.empty())
+        report.checks.push_back(std::move(doubt));
     check_lenses(conclusion->rig, report.checks);
     const double rate_hz = conclusion->rig.rate_hz;
     if (!options.has_rate && material->rate_hz > 0.0)
