@@ -23,7 +23,6 @@ constexpr double kMostHeight_m = 2.4;
 // deeper. Above, silhouettes miss dark shoes, up to the ankles.
 constexpr double kBelow_m = -0.25;
 constexpr double kAbove_m = 0.2;
-constexpr std::size_t kLeastInstants = 10;
 constexpr std::size_t kMostInstants = 600;  // these have decided it
 constexpr double kMostlyOff = 0.8;
 

@@ -31,9 +31,11 @@ bool sees_floor(std::span<const views::NamedView> views,
                 bool knows_outside);
 
 /// Judges from the hulls of many instants whether z = 0 is the floor: people who walk, sit or jump
-/// have a foot on it most of the time. Needs 10 instants, which should be about a second apart.
+/// have a foot on it most of the time. The instants should be about a second apart.
 class FloorCheck {
 public:
+    static constexpr std::size_t kLeastInstants = 10;
+
     /// `is_floor_seen`: see sees_floor.
     void add(const Footing& footing, bool is_floor_seen);
 

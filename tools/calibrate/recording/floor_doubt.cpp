@@ -92,8 +92,10 @@ std::string doubt_of_floor(const Material& material,
                            const std::vector<geometry::CalibratedCamera>& cameras,
                            bool inverted) {
     MaskHulls hulls(material, cameras, inverted);
+    const std::vector<std::size_t> instants = hulls.instants();
+    if (instants.size() < rig_check::FloorCheck::kLeastInstants) return {};
     rig_check::FloorCheck check;
-    for (const std::size_t number : hulls.instants()) hulls.look(number, check);
+    for (const std::size_t number : instants) hulls.look(number, check);
     const auto feet_m = check.feet_off_floor_m();
     if (!feet_m) return {};
     return "floor: " +
