@@ -190,6 +190,34 @@ TEST_F(SoftBoxOnCarriers, BoardThatOverhangs) {
     }
 }
 
+// Of foam: up to 40 times as heavy as the mat.
+TEST_F(SoftRest, HeavyBoxesOnAMat) {
+    for (const double stiffness : {0.2, 1.0}) {
+        for (const double mass_kg : {15.0, 35.0, 60.0}) {
+            SCOPED_TRACE(mass_kg);
+            SCOPED_TRACE(stiffness);
+            stage.world.remove(kSoft);
+            stage.world.remove(8);
+            SoftObject mat = ball_at({0, 0, 0.06});
+            mat.shape = SoftShape::kBox;
+            mat.size_m = {0.6, 0.6, 0.1};
+            mat.spacing_m = 0.05;
+            mat.mass_kg = 1.44;
+            mat.stiffness = stiffness;
+            ASSERT_EQ(stage.world.add_soft(mat), AddResult::kAdded);
+            RigidObject box{.id = 8, .size_m = {0.35, 0.3, 0.3}, .mass_kg = mass_kg};
+            box.world_from_object.translation.z() = 0.29;
+            ASSERT_EQ(stage.world.add(box), AddResult::kAdded);
+            stage.run(12.0);
+            const geometry::RigidTransform pose = stage.rigid(8).world_from_object;
+            EXPECT_GT((pose.rotation * Eigen::Vector3d::UnitZ()).z(), std::cos(0.1));
+            EXPECT_LT(pose.translation.head<2>().norm(), 0.06);
+            EXPECT_NEAR(pose.translation.z() - 0.15, 0.09, 0.02);
+            EXPECT_NEAR(stage.volume_m3(), 0.6 * 0.6 * 0.1, 0.002);
+        }
+    }
+}
+
 TEST_F(SoftRest, LightThingsUnderACloth) {
     for (const ObjectShape shape : {ObjectShape::kBox, ObjectShape::kCylinder}) {
         for (const double size_m : {0.1, 0.2}) {

@@ -15,7 +15,7 @@ struct SoftContactOptions {
     // tick: a body that only soft objects carry falls at the start of each tick and is lifted
     // again.
     float still_mps = 0.1F;
-    float lost_m = 0.15F;  // solid scenery lets go of what was pressed this far through it
+    float lost_m = 0.15F;      // solid scenery lets go of what was pressed this far through it
     float same_normal = 0.9F;  // cosine: of the faces of one direction, the nearest counts
 };
 
@@ -38,7 +38,7 @@ struct SoftVolumeOptions {
     // per substep.
     float dent_start = 0.15F;
     float dent_range = 0.35F;
-    float dent_share = 0.15F;
+    float dent_share = 0.3F;
 };
 
 /// Of the links of cloth and rope.
@@ -64,7 +64,10 @@ struct SoftHandleOptions {
 /// Of the soft objects in a `World`.
 struct SoftOptions {
     double substep_s = 1.0 / 480.0;
-    int max_substeps = 16;   // per tick
+    int max_substeps = 16;  // per tick
+    // A volume under a body that has more than so many times its mass needs shorter substeps, by
+    // the square root of what is beyond.
+    float heavy_load = 4.0F;
     int num_iterations = 2;  // solver iterations per substep
     // Nodes further apart than about two fingers let fingers through. Then face centres are
     // samples too.

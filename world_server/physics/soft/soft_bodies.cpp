@@ -95,6 +95,20 @@ SoftSurroundings& SoftBodies::begin_tick(const PeopleField& people) {
     return surroundings_;
 }
 
+// The lighter its nodes and the longer the substeps, the less a body resists: the solver moves each
+// node at most to where nothing presses it. Without more substeps, a heavy box shakes and tips
+// over.
+int SoftBodies::num_substeps_of_tick() const {
+    const SoftOptions& soft = options_.soft;
+    btScalar load = 0;
+    for (const auto& [id, body] : bodies_) load = std::max(load, body->load());
+    const btScalar most = btScalar(soft.max_substeps);
+    const btScalar shorter =
+        std::sqrt(std::clamp(load / soft.heavy_load, btScalar(1), most * most));
+    const auto usual = btScalar(std::lround(options_.tick_s / soft.substep_s));
+    return static_cast<int>(std::clamp(usual * std::ceil(shorter), btScalar(1), most));
+}
+
 // Steps all soft bodies together, substep by substep: they can push each other.
 void SoftBodies::step() {
     after_rigid_();
@@ -106,11 +120,11 @@ void SoftBodies::step() {
     }
     contacts_.find(surfaces_, btScalar(options_.tick_s));
     const SoftOptions& soft = options_.soft;
-    const int num_substeps = std::clamp(
-        static_cast<int>(std::lround(options_.tick_s / soft.substep_s)), 1, soft.max_substeps);
+    const int num_substeps = num_substeps_of_tick();
     const btScalar substep_s = btScalar(options_.tick_s) / btScalar(num_substeps);
+    const btScalar part = substep_s / btScalar(soft.substep_s);
     for (int i = 1; i <= num_substeps; ++i) {
-        const SoftSubstep substep{substep_s, substep_s * btScalar(num_substeps - i)};
+        const SoftSubstep substep{substep_s, substep_s * btScalar(num_substeps - i), part};
         for (auto& [id, body] : bodies_) body->begin_substep(substep);
         contacts_.begin_substep();
         for (int iteration = 0; iteration < soft.num_iterations; ++iteration) {

@@ -60,6 +60,7 @@ public:
     bool is_touched() const;  // any soft object, by a person, in the last tick
     bool contains(std::uint32_t id) const { return bodies_.contains(id); }
     const std::map<std::uint32_t, std::unique_ptr<SoftBody>>& bodies() const { return bodies_; }
+    int num_substeps_of_tick() const;
     SoftBody* find(std::uint32_t id) const;
 
 private:

@@ -181,7 +181,7 @@ void SoftBody::begin_substep(const SoftSubstep& substep) {
     move_freely(substep.substep_s);
     contacts_.begin_substep();
     motors_.begin_substep();
-    if (volume_) volume_->match_shape();
+    if (volume_) volume_->match_shape(substep.part);
 }
 
 void SoftBody::solve(const SoftSubstep& substep, int iteration) {

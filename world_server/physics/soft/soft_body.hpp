@@ -31,6 +31,7 @@ namespace atrium::physics {
 struct SoftSubstep {
     btScalar substep_s = 0;  // length
     btScalar left_s = 0;     // from the end of the substep to the end of the tick
+    btScalar part = 1;       // of SoftOptions::substep_s
 };
 
 /// One soft object of the world.
@@ -71,6 +72,10 @@ public:
     // Order of calls in a tick, after the tick of the rigid bodies: begin_tick; for each substep
     // begin_substep, solve in each iteration, end_substep; then end_tick.
     void begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& anchored);
+    /// Of a volume: mass of the heaviest body that may rest on it in this tick, in own masses.
+    btScalar load() const {
+        return volume_ ? contacts_.heaviest_kg() / btScalar(object_.mass_kg) : btScalar(0);
+    }
     void begin_substep(const SoftSubstep& substep);
     void solve(const SoftSubstep& substep, int iteration);
     void end_substep(const SoftSubstep& substep);

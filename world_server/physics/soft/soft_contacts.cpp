@@ -263,6 +263,14 @@ void SoftContacts::end_substep(btSoftBody& soft,
     }
 }
 
+btScalar SoftContacts::heaviest_kg() const {
+    btScalar heaviest = 0;
+    for (const SoftContact& c : contacts_)
+        if (c.body != nullptr && !c.is_carried)
+            heaviest = std::max(heaviest, 1 / c.body->getInvMass());
+    return heaviest;
+}
+
 void SoftContacts::load_carriers() {
     for (const SoftContact& c : contacts_)
         if (c.is_carried) c.body->applyImpulse(-c.normal * c.load, c.arm);

@@ -90,6 +90,8 @@ public:
         for (const SoftContact& contact : contacts_)
             if (contact.body != nullptr) take(*contact.body);
     }
+    /// Mass of the heaviest body that may rest on the soft body [kg]; 0: none.
+    btScalar heaviest_kg() const;
     /// Gives carried bodies the sum of the pushes on them. Call after the last substep.
     void load_carriers();
     /// Wakes the sleeping bodies that it touches. Call after the last substep, if the soft body is

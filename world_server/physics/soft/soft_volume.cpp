@@ -41,7 +41,7 @@ void SoftVolume::begin_tick() {
 // nodes (Müller et al., "Meshless Deformations Based on Shape Matching", 2005). The share grows
 // with the distance. Otherwise a few nodes pushed by a fist would pass through the whole body
 // before it moves.
-void SoftVolume::match_shape() {
+void SoftVolume::match_shape(btScalar part) {
     body_.updatePose();
     const btSoftBody::Pose& pose = body_.m_pose;
     const SoftVolumeOptions options = options_;
@@ -55,7 +55,8 @@ void SoftVolume::match_shape() {
             (way.length() / inner_radius_ - options.dent_start) / options.dent_range;
         const btScalar over = std::clamp(out, btScalar(0), btScalar(1));
         const btVector3 step =
-            way * (match_share_ + (options.dent_share - match_share_) * over * over);
+            way *
+            (part * part * (match_share_ + (options.dent_share - match_share_) * over * over));
         node.m_x += step;
         moved += step / node.m_im;
         mass += 1 / node.m_im;

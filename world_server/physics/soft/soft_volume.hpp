@@ -16,8 +16,8 @@ namespace atrium::physics {
 class SoftVolume {
 public:
     /// `body` must be at rest with valid bounds; it and `topology` must outlive this.
-    /// `match_share`: share of the way to its place in the rest shape that a node moves per
-    /// substep.
+    /// `match_share`: share of the way to its place in the rest shape that a node moves in a
+    /// substep of SoftOptions::substep_s.
     SoftVolume(btSoftBody& body,
                const SoftTopology& topology,
                btScalar match_share,
@@ -25,8 +25,8 @@ public:
 
     /// Finds the rotation of the body.
     void begin_tick();
-    // in each substep
-    void match_shape();
+    // in each substep; `part`: of SoftOptions::substep_s
+    void match_shape(btScalar part);
     void keep_volume();
     /// Damps velocities at the end of a tick. Keeps linear and angular motion of the whole.
     void damp_inside(btScalar seconds);
