@@ -78,7 +78,7 @@ std::string world_text(const WorldServerConfig& config,
                  "  # folder of models and textures, relative to this file\n";
     }
     return "# Saved by world_server from world " + config.bus.world + ".\n\n" +
-           to_toml(description, scene.current_objects(), scene.soft_objects(), table);
+           to_toml(description, scene.current_objects(), scene.current_soft_objects(), table);
 }
 
 Expected<void> SavedWorldsFolder::open() const {

@@ -12,7 +12,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -71,7 +70,8 @@ public:
     const std::string& loaded() const { return loaded_; }
     /// Rigid objects as they are now: joined ones at their start, the others where they are.
     std::vector<WorldObject> current_objects() const;
-    std::set<std::uint32_t> soft_objects() const;  // ids
+    /// With the places of their nodes, except where an object that moves is tied to one.
+    std::vector<WorldSoftObject> current_soft_objects() const;
 
     /// Releases everything that a departed sender holds.
     void forget_sender(const std::string& sender) { world_->release_all(sender); }
@@ -85,7 +85,8 @@ public:
     std::vector<bus::SceneObject> objects() const;
     /// Returns all objects as if they were new, in the order of their ids.
     std::vector<SceneChange> all() const;
-    std::size_t num_objects() const { return objects_.size(); }
+    std::size_t num_objects() const { return objects_.size(); }  // soft ones, too
+    std::size_t num_soft() const;
     /// Writes the states of all rigid objects. `time`: scheduled time of the tick.
     void get_state(const std::string& name, Timestamp time, bus::SceneState& state);
     /// Writes the node positions of all soft objects, in the order of their ids.

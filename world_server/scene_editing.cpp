@@ -1,4 +1,5 @@
 // The edits of a scene (SceneEdit).
+#include "world_server/physics/soft/soft_mesh.hpp"
 #include "world_server/scene.hpp"
 #include "world_server/scene_messages.hpp"
 
@@ -259,12 +260,33 @@ std::vector<WorldObject> Scene::current_objects() const {
     return current;
 }
 
-std::set<std::uint32_t> Scene::soft_objects() const {
-    std::set<std::uint32_t> soft;
-    for (const auto& [id, object] : objects_) {
-        if (object.shape == bus::Shape::kSoft) soft.insert(id);
+std::size_t Scene::num_soft() const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        objects_, [](const auto& entry) { return entry.second.shape == bus::Shape::kSoft; }));
+}
+
+std::vector<WorldSoftObject> Scene::current_soft_objects() const {
+    std::vector<WorldSoftObject> current;
+    for (const WorldSoftObject& described : world_description_->soft) {
+        if (!objects_.contains(described.object.id)) continue;
+        physics::SoftObject& soft = current.emplace_back(described).object;
+        const auto is_tied_to_moving = [&](const physics::SoftPin& pin) {
+            const physics::RigidObject* holder = world_->object(pin.object_id);
+            return pin.object_id != 0 && (holder == nullptr || holder->mass_kg > 0.0);
+        };
+        // such an object is written at its start, to which the tie belongs
+        if (std::ranges::any_of(soft.pins, is_tied_to_moving)) continue;
+        std::vector<Eigen::Vector3f> nodes;
+        if (!world_->get_soft_nodes(soft.id, nodes)) continue;
+        constexpr double kAtStart = 1e-4;  // [m]; below, it rests where it began
+        const physics::SoftMesh mesh = physics::make_soft_mesh(soft);
+        double most_m = 0.0;
+        for (std::size_t i = 0; i < nodes.size(); ++i)
+            most_m = std::max(
+                most_m, (nodes[i].cast<double>() - physics::start_of_node(soft, mesh, i)).norm());
+        if (most_m > kAtStart) soft.start_nodes = std::move(nodes);
     }
-    return soft;
+    return current;
 }
 
 }  // namespace atrium::world_server

@@ -338,7 +338,7 @@ Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConf
     if (!scene) return tl::unexpected(scene.error());
     for (const std::string& doubt : doubts_about(config, config.tick_hz))
         app::log::warn("{}", doubt);
-    const std::size_t num_soft = scene->soft_objects().size();
+    const std::size_t num_soft = scene->num_soft();
     app::log::info("running world={} objects={} soft={}",
                    config.bus.world,
                    scene->num_objects() - num_soft,

@@ -81,7 +81,8 @@ void doubt_soft(const WorldDescription& world, std::vector<std::string>& lines) 
     for (const WorldSoftObject& soft : world.soft) {
         physics::SoftMesh mesh = physics::make_soft_mesh(soft.object);
         doubt_ties(world, soft, mesh, lines);
-        for (Eigen::Vector3d& node : mesh.nodes) node = soft.object.world_from_object * node;
+        for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
+            mesh.nodes[i] = physics::start_of_node(soft.object, mesh, i);
         doubt_soft_start(world, soft, mesh, lines);
     }
 }

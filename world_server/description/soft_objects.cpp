@@ -2,6 +2,7 @@
 
 #include "core/model/model_file.hpp"
 #include "world_server/description/shared_entries.hpp"
+#include "world_server/physics/soft/soft_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -126,6 +127,15 @@ void read_pins(config::TableReader& table,
     }
 }
 
+void read_nodes(config::TableReader& table, SoftObject& object) {
+    const std::size_t num_nodes = physics::make_soft_mesh(object).nodes.size();
+    std::vector<double> places(3 * num_nodes);
+    table.read("nodes_m", places.data(), places.size(), {-1000.0, 1000.0});
+    for (std::size_t i = 0; i < num_nodes; ++i)
+        object.start_nodes.push_back(
+            Eigen::Map<const Eigen::Vector3d>(&places[3 * i]).cast<float>());
+}
+
 void reject_soft(config::TableReader& table,
                  const SoftObject& object,
                  const physics::ObjectProblem& problem) {
@@ -184,7 +194,11 @@ WorldSoftObject read_soft_object(config::TableReader& table,
         read_pins(table, "tied", holder == nullptr ? 0 : holder->rigid.id, object);
     }
 
-    if (const auto problem = physics::find_problem(object)) reject_soft(table, object, *problem);
+    if (const auto problem = physics::find_problem(object)) {
+        reject_soft(table, object, *problem);
+    } else if (table.has("nodes_m")) {
+        read_nodes(table, object);
+    }
     return soft;
 }
 

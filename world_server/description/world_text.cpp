@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace atrium::world_server {
 namespace {
@@ -38,6 +39,14 @@ std::string list(const Eigen::Vector3d& v, int size = 3) {
 
 std::string place(const Eigen::Vector3d& v) {
     return list(v.unaryExpr([](double x) { return rounded(x); }));
+}
+
+// To a tenth of a millimetre.
+std::string places(const std::vector<Eigen::Vector3f>& nodes) {
+    std::string text = "[";
+    for (const Eigen::Vector3f& node : nodes)
+        for (const float x : node) text += fmt::format("{}{:.4f}", text.size() > 1 ? ", " : "", x);
+    return text + "]";
 }
 
 // Lines `key = value` of one table.
@@ -171,6 +180,7 @@ void write(const WorldSoftObject& soft, const Names& names, std::string& text) {
     table.number("friction", object.friction);
     table.look(soft.colour, soft.texture);
     table.pose(object.world_from_object);
+    if (!object.start_nodes.empty()) table.raw("nodes_m", places(object.start_nodes));
     if (const std::string pins = pins_of(object, 0); !pins.empty()) table.raw("pins", pins);
     for (const physics::SoftPin& pin : object.pins) {
         const auto holder = names.find(pin.object_id);
@@ -284,7 +294,7 @@ Names unique_names(const std::vector<WorldObject>& objects,
 
 std::string to_toml(const WorldDescription& description,
                     const std::vector<WorldObject>& objects,
-                    const std::set<std::uint32_t>& soft,
+                    const std::vector<WorldSoftObject>& soft,
                     const std::string& world_table) {
     std::string text = "[world]\n" + world_table;
     text += fmt::format("gravity = {}\n", list(description.world.gravity));
@@ -292,11 +302,9 @@ std::string to_toml(const WorldDescription& description,
     write(description.rights, text);
     for (const NamedPlacement& site : description.placements) write(site, text);
     for (const WorldScenery& scenery : description.scenery) write(scenery, text);
-    const Names names = unique_names(objects, description.soft);
+    const Names names = unique_names(objects, soft);
     for (const WorldObject& object : objects) write(object, names.at(object.rigid.id), text);
-    for (const WorldSoftObject& object : description.soft) {
-        if (soft.contains(object.object.id)) write(object, names, text);
-    }
+    for (const WorldSoftObject& object : soft) write(object, names, text);
     for (const physics::Joint& joint : description.joints) {
         if (names.contains(joint.a) && (joint.b == 0 || names.contains(joint.b)))
             write(joint, names, text);

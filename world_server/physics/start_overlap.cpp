@@ -125,7 +125,7 @@ double overlap_m(const SoftObject& soft, const RigidObject& fixed) {
     double deepest_m = 0.0;
     for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
         if (is_held[i]) continue;
-        const btVector3 node = to_bullet(soft.world_from_object * mesh.nodes[i]);
+        const btVector3 node = to_bullet(start_of_node(soft, mesh, i));
         const auto found = distance_to_shape(fixed_shape.shape(), fixed_from_world * node, 0);
         if (found) deepest_m = std::max<double>(deepest_m, -found->distance);
     }

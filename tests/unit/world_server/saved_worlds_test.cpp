@@ -2,6 +2,7 @@
 
 #include "tests/support/source_dir.hpp"
 #include "tests/support/world/load_world.hpp"
+#include "world_server/description/doubts.hpp"
 #include "world_server/description/world_text.hpp"
 #include "world_server/scene.hpp"
 
@@ -187,6 +188,53 @@ TEST_F(SavedWorldFiles, SaveWhereThingsAreNow) {
                   add.object.world_from_object.rotation),
               1e-6);
     EXPECT_NE(last.name, loaded->objects[before.size() - 2].name) << "names must differ in a file";
+}
+
+TEST_F(SavedWorldFiles, KeepWhatLiesInADent) {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "world.toml")
+        << "[[object]]\nname = \"floor\"\nshape = \"plane\"\nsize_m = [5, 5]\n"
+           "[[object]]\nname = \"anvil\"\nshape = \"box\"\nsize_m = [0.2, 0.1, 0.1]\n"
+           "mass_kg = 20\nposition_m = [0, 0, 0.22]\n"
+           "[[soft]]\nname = \"cushion\"\nshape = \"box\"\nsize_m = [0.5, 0.5, 0.16]\n"
+           "material = \"foam\"\nposition_m = [0, 0, 0.085]\n";
+    const auto config = test_support::load_world(folder_ / "world.toml");
+    ASSERT_TRUE(config) << config.error().message;
+    auto scene = Scene::create(*config);
+    ASSERT_TRUE(scene);
+    const auto anvil_z_m = [](Scene& of) { return of.world().pose_of(2)->translation.z(); };
+    for (int i = 0; i < 960; ++i) scene->world().tick();
+    const double at_rest_m = anvil_z_m(*scene);
+    ASSERT_LT(at_rest_m, 0.20) << "it lies in a dent";
+    const SavedWorldsFolder folder(folder_, 10);
+    ASSERT_TRUE(folder.save("dent", world_text(*config, *scene, folder_)));
+    const auto loaded = folder.load("dent", *config);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_TRUE(doubts_about(*loaded, 120.0).empty()) << doubts_about(*loaded, 120.0).front();
+    auto again = Scene::create(*loaded);
+    ASSERT_TRUE(again) << again.error().message;
+    std::vector<Eigen::Vector3f> before, after;
+    ASSERT_TRUE(scene->world().get_soft_nodes(3, before));
+    for (const bool is_reset : {false, true}) {
+        if (is_reset) again->world().reset();
+        for (int i = 0; i < 360; ++i) again->world().tick();
+        EXPECT_NEAR(anvil_z_m(*again), at_rest_m, 0.005) << is_reset;
+        ASSERT_TRUE(again->world().get_soft_nodes(3, after));
+        ASSERT_EQ(before.size(), after.size());
+        for (std::size_t i = 0; i < before.size(); ++i)
+            EXPECT_LT((before[i] - after[i]).norm(), 0.01F) << i;
+    }
+}
+
+TEST_F(SavedWorldFiles, RefuseNodesOfAnotherShape) {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "world.toml")
+        << "[[soft]]\nname = \"cushion\"\nshape = \"box\"\nsize_m = [0.5, 0.5, 0.16]\n"
+           "mass_kg = 1\nposition_m = [0, 0, 0.085]\nnodes_m = [0, 0, 1, 0, 0, 2]\n";
+    const auto config = test_support::load_world(folder_ / "world.toml");
+    ASSERT_FALSE(config);
+    EXPECT_THAT(config.error().message, HasSubstr("world.toml:7: soft[0].nodes_m"));
+    EXPECT_THAT(config.error().message, HasSubstr("numbers"));
 }
 
 TEST_F(SavedWorldFiles, RefuseNamesLimitsAndDamage) {

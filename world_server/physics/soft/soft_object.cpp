@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +13,7 @@ namespace {
 
 constexpr double kMinSoftSizeM = 0.01;
 constexpr double kMaxSoftSizeM = 20.0;
+constexpr float kMaxStart_m = 1000.0F;
 
 bool is_within(double value, double min, double max) { return value >= min && value <= max; }
 
@@ -136,7 +138,20 @@ std::optional<ObjectProblem> find_problem(const SoftObject& object) {
     if (!is_within(object.friction, 0.0, 10.0)) {
         return ObjectProblem{"friction", "must be 0 to 10"};
     }
-    return find_pin_problem(object);
+    if (const auto problem = find_pin_problem(object)) return problem;
+    if (object.start_nodes.empty()) return std::nullopt;
+    const std::size_t num_nodes = make_soft_mesh(object).nodes.size();
+    const auto is_far = [](const Eigen::Vector3f& node) {
+        return !(node.cwiseAbs().maxCoeff() <= kMaxStart_m);
+    };
+    if (object.start_nodes.size() != num_nodes || std::ranges::any_of(object.start_nodes, is_far)) {
+        return ObjectProblem{
+            "nodes_m",
+            fmt::format("must be {} numbers: x, y, z of each node; leave it out, and the object "
+                        "starts in its shape",
+                        3 * num_nodes)};
+    }
+    return std::nullopt;
 }
 
 }  // namespace atrium::physics

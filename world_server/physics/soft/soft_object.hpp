@@ -47,6 +47,8 @@ struct SoftObject {
     double friction = 0.6;
     std::vector<SoftPin> pins;
     geometry::RigidTransform world_from_object{};  // start pose; `reset` returns the object to it
+    /// [m] in the world, per node: where they start. Empty: in the rest shape at the start pose.
+    std::vector<Eigen::Vector3f> start_nodes;
 };
 
 /// Returns the filled volume at rest; for cloth and rope with their thickness.
@@ -54,8 +56,8 @@ double volume_m3(const SoftObject& object);
 
 /// Returns the first problem: a number that is not finite or out of range (sizes 1 cm to 20 m,
 /// spacings 1 cm to 1 m, masses 1 g to 100 kg), more than `kMaxSoftNodes` nodes, a pin that does
-/// not fit the shape, or a model that is not closed or less than 1 cm across. Empty if the object
-/// is valid.
+/// not fit the shape, a model that is not closed or less than 1 cm across, or another number of
+/// start nodes than the shape has. Empty if the object is valid.
 std::optional<ObjectProblem> find_problem(const SoftObject& object);
 
 /// The constant part of a soft object.
