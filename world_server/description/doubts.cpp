@@ -5,6 +5,7 @@
 #include "world_server/description/layout_doubts.hpp"
 #include "world_server/description/load_doubts.hpp"
 #include "world_server/description/scenery_doubts.hpp"
+#include "world_server/description/scenery_starts.hpp"
 #include "world_server/description/soft_doubts.hpp"
 #include "world_server/description/start_doubts.hpp"
 
@@ -174,8 +175,14 @@ void doubt_rotations(const WorldDescription& world, std::vector<std::string>& li
                 "[{:.4g}, {:.4g}, {:.4g}]", angles_deg.x(), angles_deg.y(), angles_deg.z());
             look_at(event, name, "roll_pitch_yaw_deg", written, angles_deg);
         };
-    for (const WorldObject& object : world.objects)
-        turned("object_looks_wrong", object.name, object.rigid.world_from_object.rotation);
+    std::string puppet;
+    for (const WorldObject& object : world.objects) {
+        if (!object.puppet.empty() && object.puppet == puppet) continue;
+        puppet = object.puppet;  // its first part, the pelvis, is turned as the puppet is
+        turned("object_looks_wrong",
+               puppet.empty() ? object.name : puppet,
+               object.rigid.world_from_object.rotation);
+    }
     for (const WorldSoftObject& soft : world.soft)
         turned("soft_looks_wrong", soft.name, soft.object.world_from_object.rotation);
     for (const WorldScenery& scenery : world.scenery)
@@ -356,6 +363,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_soft_models(world, lines);
     doubt_scenery(world, lines);
     doubt_starts(world, lines);
+    doubt_starts_in_scenery(world, lines);
     doubt_soft(world, lines);
     doubt_loads(world, tick_hz, lines);
     doubt_amounts(world, lines);

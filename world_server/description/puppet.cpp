@@ -120,6 +120,7 @@ private:
         WorldObject object;
         object.rigid.id = next_id_++;
         object.name = d_.name + "." + part;
+        object.puppet = d_.name;
         object.rigid.shape = shape;
         object.rigid.size_m = d_.height_m * size;
         object.look.colour = colour;

@@ -12,13 +12,9 @@
 namespace atrium::world_server {
 namespace {
 
-constexpr double kDeepSoft_m = 0.03;
-
 bool may_be_in(const geometry::Aabb& soft, const physics::RigidObject& rigid) {
     if (rigid.shape == physics::ObjectShape::kPlane) return true;
-    const geometry::Aabb box = start_box_of(rigid);
-    return (soft.min.array() <= box.max.array()).all() &&
-           (box.min.array() <= soft.max.array()).all();
+    return touch(soft, start_box_of(rigid));
 }
 
 // `mesh` is that of the soft object, in the world.

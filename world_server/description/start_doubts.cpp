@@ -2,6 +2,7 @@
 
 #include "core/geometry/roll_pitch_yaw.hpp"
 #include "core/model/model_file.hpp"
+#include "world_server/physics/soft/soft_mesh.hpp"
 #include "world_server/physics/start_overlap.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +15,6 @@
 namespace atrium::world_server {
 namespace {
 
-constexpr double kDeepRigid_m = 0.05;
 constexpr double kNearAnchor_m = 0.1;
 constexpr double kLongArm_m = 1.0;
 
@@ -46,27 +46,6 @@ double local_distance_m(const Eigen::Vector3d& place_m, const physics::RigidObje
     return (place_m - place_m.cwiseMax(box.min).cwiseMin(box.max)).norm();
 }
 
-bool touch(const geometry::Aabb& a, const geometry::Aabb& b) {
-    return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
-}
-
-// What to do about an object that starts deep in something. `depth_m` tells how deep a pose is.
-template <class Depth>
-std::string cure_of(const WorldObject& object, const Depth& depth_m) {
-    const std::string& model = object.look.model;
-    if (model.empty()) return "move it with position_m, the place of its middle";
-    physics::RigidObject turned = to_rigid(object);
-    geometry::RigidTransform& pose = turned.world_from_object;
-    const bool is_as_in_file = pose.rotation.angularDistance(Eigen::Quaterniond::Identity()) < 1e-6;
-    pose.rotation = geometry::rotation_of_roll_pitch_yaw({90.0, 0.0, 0.0});
-    const bool may_have_y_up =
-        is_as_in_file && !model::is_gltf(model) && depth_m(turned) <= kDeepRigid_m;
-    return std::string(may_have_y_up ? "its file may have +Y up: then write roll_pitch_yaw_deg = "
-                                       "[90, 0, 0]; else "
-                                     : "") +
-           "move it with position_m, the place of its file's origin";
-}
-
 // A cheap test: most objects are far apart, and the exact one builds collision shapes.
 bool may_overlap(const geometry::Aabb& box, const WorldObject& object) {
     if (is_plane(object)) {
@@ -87,6 +66,7 @@ bool pass_through(const WorldDescription& world, std::uint32_t a, std::uint32_t 
 
 // Each object is compared with the fixed ones and with the moving ones before it.
 void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines) {
+    std::vector<DeepStart> deep;
     for (const WorldObject& object : world.objects) {
         if (object.rigid.mass_kg == 0.0) continue;
         const physics::RigidObject moving = to_rigid(object);
@@ -103,44 +83,15 @@ void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines)
             };
             const double depth_m = depth_of(moving);
             if (depth_m <= kDeepRigid_m) continue;
-            lines.push_back(
-                fmt::format("object_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which "
-                            "{}: {}\"",
-                            object.name,
-                            depth_m,
-                            other.name,
-                            is_fixed ? "is fixed" : "throws both apart",
-                            cure_of(object, depth_of)));
+            deep.push_back(
+                {&object,
+                 depth_m,
+                 other.name + (is_fixed ? ", which is fixed" : ", which throws both apart"),
+                 cure_of(object, depth_of)});
             break;
         }
     }
-}
-
-void doubt_in_scenery(const WorldDescription& world, std::vector<std::string>& lines) {
-    for (const WorldScenery& scenery : world.scenery) {
-        if (!scenery.is_solid) continue;
-        for (const WorldObject& object : world.objects) {
-            if (object.rigid.mass_kg == 0.0 || is_plane(object)) continue;
-            const physics::RigidObject moving = to_rigid(object);
-            if (!touch(start_box_of(moving), scenery.box)) continue;
-            const auto depth_of = [&](const physics::RigidObject& pose) {
-                return physics::overlap_m(pose, scenery.mesh);
-            };
-            const double depth_m = depth_of(moving);
-            if (depth_m <= kDeepRigid_m) continue;
-            lines.push_back(
-                fmt::format("object_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which "
-                            "is solid scenery of {:.2g} x {:.2g} x {:.2g} m: check its scale, or, "
-                            "if that is right: {}\"",
-                            object.name,
-                            depth_m,
-                            scenery.name,
-                            scenery.box.size().x(),
-                            scenery.box.size().y(),
-                            scenery.box.size().z(),
-                            cure_of(object, depth_of)));
-        }
-    }
+    add_lines(deep, lines);
 }
 
 // A moving object that starts outside is an error.
@@ -195,9 +146,56 @@ geometry::Aabb start_box_of(const physics::RigidObject& object) {
     return moved(object.world_from_object, local_box_of(object));
 }
 
+geometry::Aabb start_box_of(const physics::SoftObject& soft) {
+    geometry::Aabb box;
+    for (const Eigen::Vector3d& node : physics::make_soft_mesh(soft).nodes)
+        box.add(soft.world_from_object * node);
+    return box;
+}
+
+bool touch(const geometry::Aabb& a, const geometry::Aabb& b) {
+    return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
+}
+
+std::string cure_of(const WorldObject& object, const DepthOfPose& depth_m) {
+    if (!object.puppet.empty())
+        return "move the puppet with position_m, the place between its feet";
+    const std::string& model = object.look.model;
+    if (model.empty()) return "move it with position_m, the place of its middle";
+    physics::RigidObject turned = to_rigid(object);
+    geometry::RigidTransform& pose = turned.world_from_object;
+    const bool is_as_in_file = pose.rotation.angularDistance(Eigen::Quaterniond::Identity()) < 1e-6;
+    pose.rotation = geometry::rotation_of_roll_pitch_yaw({90.0, 0.0, 0.0});
+    const bool may_have_y_up =
+        is_as_in_file && !model::is_gltf(model) && depth_m(turned) <= kDeepRigid_m;
+    return std::string(may_have_y_up ? "its file may have +Y up: then write roll_pitch_yaw_deg = "
+                                       "[90, 0, 0]; else "
+                                     : "") +
+           "move it with position_m, the place of its file's origin";
+}
+
+void add_lines(const std::vector<DeepStart>& starts, std::vector<std::string>& lines) {
+    for (const DeepStart& start : starts) {
+        const std::string& puppet = start.object->puppet;
+        const auto is_deeper_part = [&](const DeepStart& other) {
+            return other.object->puppet == puppet &&
+                   (other.depth_m > start.depth_m ||
+                    (other.depth_m == start.depth_m && &other < &start));
+        };
+        if (!puppet.empty() && std::ranges::any_of(starts, is_deeper_part)) continue;
+        const std::string& name = start.object->name;
+        lines.push_back(
+            fmt::format("object_looks_wrong name={} reason=\"{}starts {:.2f} m inside {}: {}\"",
+                        puppet.empty() ? name : puppet,
+                        puppet.empty() ? "" : "its " + name.substr(puppet.size() + 1) + " ",
+                        start.depth_m,
+                        start.in_what,
+                        start.cure));
+    }
+}
+
 void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines) {
     doubt_rigid(world, lines);
-    doubt_in_scenery(world, lines);
     doubt_outside(world, lines);
 }
 

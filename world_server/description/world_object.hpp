@@ -31,7 +31,8 @@ struct WorldObject {
     Look look{};
     /// As in the file: a compound may have one part, and a plane has the size of its drawn part.
     physics::RigidObject rigid{};
-    std::string where{};  // place of its position in the file, for errors; empty: unknown
+    std::string where{};   // place of its position in the file, for errors; empty: unknown
+    std::string puppet{};  // name of the puppet that it is a part of; empty: none
 };
 
 /// Returns the object for the physics: a compound of one part becomes convex.

@@ -10,6 +10,8 @@
 #include <btBulletCollisionCommon.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <functional>
 #include <vector>
 
@@ -46,6 +48,22 @@ bool may_touch(const btConvexShape& a,
     return true;
 }
 
+geometry::Aabb box_of(const btConvexShape& part, const btTransform& world_from_part) {
+    btVector3 low, high;
+    part.getAabb(world_from_part, low, high);
+    geometry::Aabb box;
+    box.add(from_bullet(low));
+    box.add(from_bullet(high));
+    return box;
+}
+
+// Cheaper than to build Bullet's shape of a triangle.
+bool may_touch(const geometry::Aabb& box, const std::array<Eigen::Vector3d, 3>& corners) {
+    const auto& [a, b, c] = corners;
+    return (a.cwiseMin(b).cwiseMin(c).array() <= box.max.array()).all() &&
+           (a.cwiseMax(b).cwiseMax(c).array() >= box.min.array()).all();
+}
+
 double depth_in_plane(const btConvexShape& part,
                       const btTransform& world_from_part,
                       const btStaticPlaneShape& plane,
@@ -68,6 +86,18 @@ double depth_in_convex(const btConvexShape& part,
     const bool overlaps = btGjkEpaSolver2::Penetration(
         &part, world_from_part, &fixed, world_from_fixed, guess, results);
     return overlaps ? -results.distance : 0.0;
+}
+
+using EachNode = std::function<void(const Eigen::Vector3d& node_world)>;
+
+void for_each_free_node(const SoftObject& soft, const EachNode& look_at) {
+    const SoftMesh mesh = make_soft_mesh(soft);
+    std::vector<bool> is_held(mesh.nodes.size());
+    for (const SoftPin& pin : soft.pins) {
+        for (const std::uint32_t node : nodes_at(mesh, soft, pin)) is_held[node] = true;
+    }
+    for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
+        if (!is_held[i]) look_at(start_of_node(soft, mesh, i));
 }
 
 btTransform world_from_body(const RigidObject& object, const CollisionShape& shape) {
@@ -102,10 +132,13 @@ double overlap_m(const RigidObject& moving, const geometry::TriangleMesh& scener
     double deepest_m = 0.0;
     for_each_convex(
         shape.shape(), world_from_body(moving, shape), [&](const auto& part, const auto& pose) {
-            for (const auto& corners : scenery.triangles) {
-                btTriangleShape triangle(to_bullet(scenery.vertices[corners[0]]),
-                                         to_bullet(scenery.vertices[corners[1]]),
-                                         to_bullet(scenery.vertices[corners[2]]));
+            const geometry::Aabb box = box_of(part, pose);
+            for (const auto& [a, b, c] : scenery.triangles) {
+                const std::array<Eigen::Vector3d, 3> corners{
+                    scenery.vertices[a], scenery.vertices[b], scenery.vertices[c]};
+                if (!may_touch(box, corners)) continue;
+                btTriangleShape triangle(
+                    to_bullet(corners[0]), to_bullet(corners[1]), to_bullet(corners[2]));
                 triangle.setMargin(0);
                 deepest_m = std::max(
                     deepest_m, depth_in_convex(part, pose, triangle, btTransform::getIdentity()));
@@ -114,21 +147,46 @@ double overlap_m(const RigidObject& moving, const geometry::TriangleMesh& scener
     return deepest_m;
 }
 
+double depth_m(const RigidObject& moving, const geometry::SurfaceTree& bodies) {
+    CollisionShape shape(moving);
+    double deepest_m = 0.0;
+    const auto look_at = [&](const btVector3& place) {
+        deepest_m = std::max(deepest_m, bodies.depth_m(from_bullet(place)));
+    };
+    for_each_convex(
+        shape.shape(), world_from_body(moving, shape), [&](const auto& part, const auto& pose) {
+            look_at(pose * to_bullet(box_of(part, btTransform::getIdentity()).centre()));
+            for (int x = -1; x <= 1; ++x) {
+                for (int y = -1; y <= 1; ++y) {
+                    for (int z = -1; z <= 1; ++z) {
+                        const int num_axes = std::abs(x) + std::abs(y) + std::abs(z);
+                        if (num_axes != 1 && num_axes != 3) continue;
+                        look_at(pose * part.localGetSupportingVertex(
+                                           btVector3(btScalar(x), btScalar(y), btScalar(z))));
+                    }
+                }
+            }
+        });
+    return deepest_m;
+}
+
 double overlap_m(const SoftObject& soft, const RigidObject& fixed) {
     CollisionShape fixed_shape(fixed);
     const btTransform fixed_from_world = world_from_body(fixed, fixed_shape).inverse();
-    const SoftMesh mesh = make_soft_mesh(soft);
-    std::vector<bool> is_held(mesh.nodes.size());
-    for (const SoftPin& pin : soft.pins) {
-        for (const std::uint32_t node : nodes_at(mesh, soft, pin)) is_held[node] = true;
-    }
     double deepest_m = 0.0;
-    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-        if (is_held[i]) continue;
-        const btVector3 node = to_bullet(start_of_node(soft, mesh, i));
-        const auto found = distance_to_shape(fixed_shape.shape(), fixed_from_world * node, 0);
+    for_each_free_node(soft, [&](const Eigen::Vector3d& node) {
+        const auto found =
+            distance_to_shape(fixed_shape.shape(), fixed_from_world * to_bullet(node), 0);
         if (found) deepest_m = std::max<double>(deepest_m, -found->distance);
-    }
+    });
+    return deepest_m;
+}
+
+double depth_m(const SoftObject& soft, const geometry::SurfaceTree& bodies) {
+    double deepest_m = 0.0;
+    for_each_free_node(soft, [&](const Eigen::Vector3d& node) {
+        deepest_m = std::max(deepest_m, bodies.depth_m(node));
+    });
     return deepest_m;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/surface_tree.hpp"
 #include "world_server/physics/rigid/rigid_object.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
 
@@ -12,7 +13,15 @@ double overlap_m(const RigidObject& moving, const RigidObject& other);
 /// Like above, out of each triangle of solid scenery, in the world.
 double overlap_m(const RigidObject& moving, const geometry::TriangleMesh& scenery);
 
+/// Returns how deep `moving` is inside solid bodies, in the world [m]: the distance of its deepest
+/// point from their surface. Looks at the middle of each convex part and at its outermost points
+/// along its axes and diagonals. `moving` is no plane.
+double depth_m(const RigidObject& moving, const geometry::SurfaceTree& bodies);
+
 /// Like above, for the deepest node of a soft object. Nodes that a pin holds do not count.
 double overlap_m(const SoftObject& soft, const RigidObject& fixed);
+
+/// Like `depth_m` above, for the nodes of a soft object. Nodes that a pin holds do not count.
+double depth_m(const SoftObject& soft, const geometry::SurfaceTree& bodies);
 
 }  // namespace atrium::physics

@@ -65,26 +65,6 @@ TEST_F(WorldDoubts, NameMovingObjectsThatStartInsideEachOther) {
     EXPECT_THAT(doubts(a + b + joint), IsEmpty()) << "joined objects do not touch each other";
 }
 
-TEST_F(WorldDoubts, NameAnObjectThatStartsInSolidScenery) {
-    put("post.obj",
-        "v -0.1 -0.1 0\nv 0.1 -0.1 0\nv 0.1 0.1 0\nv -0.1 0.1 0\n"
-        "v -0.1 -0.1 2\nv 0.1 -0.1 2\nv 0.1 0.1 2\nv -0.1 0.1 2\n"
-        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
-    const std::string post = "[[scenery]]\nname = \"post\"\nmodel = \"post.obj\"\n";
-    const std::string in_it = box("b", 1, "position_m = [0.2, 0, 1]");
-    EXPECT_THAT(doubts(post + "solid = true\n" + in_it),
-                ElementsAre(HasSubstr("object_looks_wrong name=b reason=\"starts 0.10 m inside "
-                                      "post, which is solid scenery")));
-    EXPECT_THAT(doubts(post + "solid = false\n" + in_it), IsEmpty());
-    EXPECT_THAT(doubts(post + "solid = true\n" + box("b", 0, "position_m = [0.2, 0, 1]")),
-                IsEmpty())
-        << "a fixed object may stand in it";
-    EXPECT_THAT(doubts(post + "solid = true\n" + box("b", 1, "position_m = [0.31, 0, 1]") +
-                       box("on", 1, "position_m = [0, 0, 2.2]")),
-                IsEmpty())
-        << "beside and on it";
-}
-
 TEST_F(WorldDoubts, NameFixedObjectsAndSitesOutsideTheBounds) {
     EXPECT_THAT(doubts(box("bench", 0, "position_m = [-300, 1000, 800]")),
                 ElementsAre(HasSubstr("object_looks_wrong name=bench reason=\"it is outside the "
