@@ -13,6 +13,8 @@
 namespace atrium::world_server {
 namespace {
 
+constexpr double kLargestPlane_m = 1000.0;
+
 using physics::ObjectShape;
 // Hulls of the models in a world file: ten equal chairs share one set.
 using KnownModels = std::map<std::tuple<std::string, double, ObjectShape>, LoadedModel>;
@@ -41,7 +43,7 @@ void read_size(config::TableReader& reader, physics::RigidObject& object) {
     }
     if (object.shape == ObjectShape::kPlane) {
         object.size_m = {10.0, 10.0, 0.0};
-        return reader.read("size_m", object.size_m.data(), 2, kSizeRange);
+        return reader.read("size_m", object.size_m.data(), 2, {0.0, kLargestPlane_m});
     }
     double diameter_m = 0.0;
     reader.forbid("radius_m", "write diameter_m, twice the radius");
@@ -116,6 +118,14 @@ WorldObject read_object(config::TableReader& reader,
             key = has_model ? "scale" : reader.has("height_m") ? "height_m" : "diameter_m";
         }
         std::string allowed(problem->allowed);
+        if (problem->field == "size_m" && !has_model) {
+            allowed += ask_unit(rigid.size_m, [&](const Eigen::Vector3d& size_m) {
+                physics::RigidObject smaller = to_rigid(object);
+                smaller.size_m = size_m;
+                const auto left = physics::find_problem(smaller);
+                return !left || left->field != problem->field;
+            });
+        }
         if (key == "mass_kg" && !reader.has(key)) {
             key = reader.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
             allowed += mass_advice(physics::volume_m3(to_rigid(object)), rigid.mass_kg) +

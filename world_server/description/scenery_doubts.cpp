@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDrawn_m = 100.0;   // viewers draw nothing further away (renderer::ViewCamera)
 constexpr double kUseless_m = 10.0;  // solid scenery this far outside is touched by nothing
-constexpr double kSmallest_m = 0.02;
+constexpr double kSmallest_m = 0.05;
 constexpr double kInside_m = 0.001;
 
 // False if nothing is wrong.
@@ -28,13 +28,14 @@ bool doubt_size(const WorldDescription& world,
     if (!is_large && size_m.maxCoeff() >= kSmallest_m) return false;
     lines.push_back(
         fmt::format("scenery_looks_wrong name={} reason=\"it is {:.3g} x {:.3g} x {:.3g} m "
-                    "large{}; scale = "
-                    "0.01 reads centimetres, 0.001 millimetres\"",
+                    "large{}\"",
                     scenery.name,
                     size_m.x(),
                     size_m.y(),
                     size_m.z(),
-                    is_large ? ", more than twice the world" : ""));
+                    is_large ? ", more than twice the world; scale = 0.01 reads centimetres, 0.001 "
+                               "millimetres"
+                             : ": check its scale; 1 reads metres"));
     return true;
 }
 

@@ -121,6 +121,16 @@ std::string size_advice(const Eigen::Vector3d& size_m) {
         size_m.z());
 }
 
+std::string ask_unit(const Eigen::Vector3d& size_m,
+                     const std::function<bool(const Eigen::Vector3d& size_m)>& allows) {
+    const bool may_be_cm = allows(size_m / 100.0);
+    const bool may_be_mm = allows(size_m / 1000.0);
+    if (may_be_cm && may_be_mm)
+        return "; are these centimetres or millimetres? Divide by 100 or 1000";
+    if (may_be_cm) return "; are these centimetres? Divide by 100";
+    return may_be_mm ? "; are these millimetres? Divide by 1000" : "";
+}
+
 std::string mass_advice(double volume_m3, double mass_kg) {
     const std::string mass =
         mass_kg < 1000.0 ? fmt::format("{:.3g}", mass_kg) : fmt::format("{:.0f}", mass_kg);

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <filesystem>
+#include <functional>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -16,7 +17,8 @@ namespace atrium::world_server {
 
 inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 inline constexpr config::Range kPositionRange{-1000.0, 1000.0};  // [m]
-inline constexpr config::Range kSizeRange{0.0, 1000.0};          // [m]; the physics allows less
+/// [m]. The physics allows less and rejects more; 20 m in millimetres get its advice (ask_unit).
+inline constexpr config::Range kSizeRange{0.0, 20000.0};
 
 /// Returns the path of a file that the world file names, without "./".
 std::filesystem::path file_of(const config::TableReader& reader, const std::string& name);
@@ -41,6 +43,11 @@ bool read_model_name(config::TableReader& reader, std::string& model, double& sc
 void reject_model(config::TableReader& reader, Error error);
 /// Returns the extents of a model, with what `scale` makes of other units.
 std::string size_advice(const Eigen::Vector3d& size_m);
+
+/// Returns "; are these centimetres? Divide by 100" or the like for a size that is not allowed, or
+/// nothing if that does not make it right. `allows` tells whether the physics allows a size.
+std::string ask_unit(const Eigen::Vector3d& size_m,
+                     const std::function<bool(const Eigen::Vector3d& size_m)>& allows);
 
 /// "; its volume of 125 m^3 gives 75000 kg: write mass_kg", for masses that follow from a density.
 std::string mass_advice(double volume_m3, double mass_kg);

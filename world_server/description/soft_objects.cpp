@@ -1,12 +1,12 @@
 #include "world_server/description/soft_objects.hpp"
 
+#include "core/geometry/weld.hpp"
 #include "core/model/model_file.hpp"
 #include "world_server/description/shared_entries.hpp"
 #include "world_server/physics/soft/soft_mesh.hpp"
 
 #include <fmt/format.h>
 
-#include <array>
 #include <map>
 #include <set>
 
@@ -17,30 +17,16 @@ using physics::PinPlace;
 using physics::SoftObject;
 using physics::SoftShape;
 
-// Joins all parts to one mesh and merges vertices at the same place. Model files repeat vertices
-// for different normals and texture coordinates.
-geometry::TriangleMesh weld(const std::vector<model::ModelPart>& parts) {
-    constexpr double kPerM = 1e6;
-    geometry::TriangleMesh welded;
-    std::map<std::array<double, 3>, std::uint32_t> index;
+geometry::TriangleMesh join(const std::vector<model::ModelPart>& parts) {
+    geometry::TriangleMesh joined;
     for (const model::ModelPart& part : parts) {
-        std::vector<std::uint32_t> new_index;
-        for (const Eigen::Vector3d& v : part.mesh.vertices) {
-            const Eigen::Vector3d at = (v * kPerM).array().round() + 0.0;  // removes negative zeros
-            const auto [entry, is_new] =
-                index.try_emplace({at.x(), at.y(), at.z()}, welded.vertices.size());
-            if (is_new) welded.vertices.push_back(v);
-            new_index.push_back(entry->second);
-        }
-        for (const auto& t : part.mesh.triangles) {
-            const std::array<std::uint32_t, 3> corners{
-                new_index[t[0]], new_index[t[1]], new_index[t[2]]};
-            if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
-                continue;
-            welded.triangles.push_back(corners);
-        }
+        const auto first = static_cast<std::uint32_t>(joined.vertices.size());
+        joined.vertices.insert(
+            joined.vertices.end(), part.mesh.vertices.begin(), part.mesh.vertices.end());
+        for (const auto& t : part.mesh.triangles)
+            joined.triangles.push_back({first + t[0], first + t[1], first + t[2]});
     }
-    return welded;
+    return joined;
 }
 
 void read_model(config::TableReader& table, WorldSoftObject& soft) {
@@ -50,7 +36,7 @@ void read_model(config::TableReader& table, WorldSoftObject& soft) {
     if (!parts) return reject_model(table, parts.error());
     soft.own_texture = model::own_texture_of(*parts);
     soft.own_colours = model::colours_of(*parts);
-    geometry::TriangleMesh mesh = weld(*parts);
+    geometry::TriangleMesh mesh = geometry::weld(join(*parts));
     if (mesh.vertices.size() > physics::kMaxSoftNodes) {
         return table.reject("model",
                             fmt::format("must have at most {} distinct vertices, {} has {}",
@@ -142,6 +128,16 @@ void reject_soft(config::TableReader& table,
     std::string key(problem.field);
     std::string allowed(problem.allowed);
     const bool has_model = object.shape == SoftShape::kModel;
+    if (key == "size_m") {
+        allowed += ask_unit(object.size_m, [&](const Eigen::Vector3d& size_m) {
+            SoftObject smaller = object;
+            smaller.size_m = size_m;
+            if (object.shape == SoftShape::kCloth && !table.has("thickness_m"))
+                smaller.size_m.z() = object.size_m.z();  // not written
+            const auto left = physics::find_problem(smaller);
+            return !left || left->field != problem.field;
+        });
+    }
     if (key == "mass_kg" && !table.has(key)) {
         key = table.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
         allowed += mass_advice(physics::volume_m3(object), object.mass_kg);

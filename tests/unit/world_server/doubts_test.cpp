@@ -280,6 +280,13 @@ TEST_F(WorldDoubts, NameRotationsInRadians) {
                                 "0, 0, 1.563218",  // as a saved world may have it
                                 "1.25, 1.5, 0"})
         EXPECT_THAT(doubts(turned(degrees)), IsEmpty()) << degrees;
+    const std::string puppet =
+        "[[puppet]]\nname = \"pierrot\"\nposition_m = [0, 0, 1]\nroll_pitch_yaw_deg = ";
+    EXPECT_THAT(doubts(puppet + "[0, 0, -1.571]\n"),
+                ElementsAre(HasSubstr("object_looks_wrong name=pierrot reason=\"roll_pitch_yaw_deg "
+                                      "= [0, 0, -1.571] turns it by hardly anything")))
+        << "one line for all parts";
+    EXPECT_THAT(doubts(puppet + "[0, 0, 90]\n"), IsEmpty());
     EXPECT_THAT(doubts("[[site]]\nname = \"alice\"\nposition_m = [0, 0, 0]\nyaw_deg = 3.14\n"),
                 ElementsAre(AllOf(HasSubstr("site_looks_wrong name=alice reason=\"yaw_deg = 3.14"),
                                   HasSubstr("the degrees are 180\""))));
@@ -322,8 +329,10 @@ TEST_F(WorldDoubts, SizesOfScenery) {
     EXPECT_THAT(
         doubts(kFloor + rock("solid = true\nscale = 100\n")),
         testing::ElementsAre(testing::HasSubstr("it is 90 x 90 x 90 m large, more than twice")));
-    EXPECT_THAT(doubts(kFloor + rock("solid = true\nscale = 0.01\n")),
-                testing::ElementsAre(testing::HasSubstr("it is 0.009 x 0.009 x 0.009 m large;")));
+    EXPECT_THAT(doubts(kFloor + rock("solid = true\nscale = 0.05\n")),
+                testing::ElementsAre(testing::HasSubstr(
+                    "it is 0.045 x 0.045 x 0.045 m large: check its scale; 1 reads metres\"")));
+    EXPECT_THAT(doubts(kFloor + rock("solid = true\nscale = 0.06\n")), testing::IsEmpty());
     EXPECT_THAT(doubts(kFloor + rock("scale = 100\n")), testing::IsEmpty()) << "a landscape";
     EXPECT_THAT(doubts(kFloor + rock("scale = 1000\n")),
                 testing::ElementsAre(testing::HasSubstr("it is 900 x 900 x 900 m large, more")));

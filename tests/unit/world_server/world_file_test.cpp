@@ -189,6 +189,22 @@ TEST_F(WorldFile, ErrorsNameFileLineKeyAndWhatIsAllowed) {
           "its volume of 125 m^3 "
           "gives "
           "75000 kg: write mass_kg, or see its size: it is 5 x 5 x 5 m"}},
+        {"[[object]]\nname = \"s\"\nshape = \"box\"\nsize_m = [60, 50, 16]\nmass_kg = 1\n",
+         {"world.toml:4: object[0].size_m: must be 0.01 m to 20 m; are these centimetres or "
+          "millimetres? Divide by 100 or 1000, got [60, 50, 16]"}},
+        {"[[object]]\nname = \"s\"\nshape = \"box\"\nsize_m = [60, 50, 1.6]\nmass_kg = 1\n",
+         {"20 m; are these centimetres? Divide by 100, got"}},
+        {"[[object]]\nname = \"s\"\nshape = \"cylinder\"\ndiameter_m = 12\nheight_m = 40\n"
+         "mass_kg = 1\n",
+         {"height_m: must be 0.01 m to 20 m; are these centimetres or millimetres? Divide by 100 "
+          "or 1000, got 40"}},
+        {"[[object]]\nname = \"s\"\nshape = \"box\"\nsize_m = [60, 0.5, 0.16]\nmass_kg = 1\n",
+         {"size_m: must be 0.01 m to 20 m, got"}},
+        {"[[soft]]\nname = \"s\"\nshape = \"box\"\nsize_m = [60, 50, 16]\nmass_kg = 1\n",
+         {"soft[0].size_m: must be 0.01 m to 20 m",
+          "; are these centimetres or millimetres? Divide by 100 or 1000, got"}},
+        {"[[soft]]\nname = \"s\"\nshape = \"cloth\"\nsize_m = [12000, 18000]\nmass_kg = 1\n",
+         {"; are these millimetres? Divide by 1000, got"}},
         {kCorner + "material = \"cheese\"\n", {"world.toml:5", "material", "rubber", "wood"}},
         {kBall + "texture = \"models/none.png\"\n", {"world.toml:6", "texture", "none.png"}},
         {kBall + "texture = \"models/corner.obj\"\n", {"world.toml:6", "texture", ".png"}},
