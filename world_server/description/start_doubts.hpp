@@ -18,6 +18,7 @@ geometry::Aabb start_box_of(const physics::RigidObject& object);
 /// Returns the bounding box of a soft object's nodes at its start, in the world.
 geometry::Aabb start_box_of(const physics::SoftObject& soft);
 
+/// True if two boxes have a place in common.
 bool touch(const geometry::Aabb& a, const geometry::Aabb& b);
 
 /// What starts deeper than this inside something is doubted.
