@@ -44,15 +44,15 @@ void Concluder::read_poses() {
         const Convergence as_documented = measure_convergence(cameras_);
         for (std::size_t i = 0; i < cameras_.size(); ++i)
             cameras_[i].camera_from_site = camera_from_site(poses_[i], choice.reading);
-        tell(
-            fmt::format("poses: {}: {}, {:.0f} degrees apart. Read as documented, as {}, {} would "
-                        "({} to read them so)",
-                        describe(choice.reading),
-                        looking,
-                        2.0 * std::asin(std::sqrt(std::min(1.0, convergence.spread))) * kDegreesPerRad,
-                        describe(wanted),
-                        as_documented.num_looking,
-                        option_of(wanted)));
+        tell(fmt::format(
+            "poses: {}: {}, {:.0f} degrees apart. Read as documented, as {}, {} would "
+            "({} to read them so)",
+            describe(choice.reading),
+            looking,
+            2.0 * std::asin(std::sqrt(std::min(1.0, convergence.spread))) * kDegreesPerRad,
+            describe(wanted),
+            as_documented.num_looking,
+            option_of(wanted)));
     }
     if (2 * num_looking < cameras_.size() + 1) {
         problem(fmt::format(

@@ -19,7 +19,9 @@ constexpr double kLying_deg = 45.0;   // people lie rather than lean
 constexpr double kSameUp_deg = 15.5;  // near enough to name the cameras that are turned
 constexpr double kIsAxis_deg = 0.01;
 
-double tilt_deg(const UpChoice& found) { return std::asin(std::min(found.tilt, 1.0)) * kDegreesPerRad; }
+double tilt_deg(const UpChoice& found) {
+    return std::asin(std::min(found.tilt, 1.0)) * kDegreesPerRad;
+}
 
 // What the user says, against the direction along which the pictures are upright.
 void compare(UpConclusion& result, const UpChoice& found, const std::string& said) {
