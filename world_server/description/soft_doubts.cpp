@@ -24,10 +24,23 @@ void doubt_soft_start(const WorldDescription& world,
                       std::vector<std::string>& lines) {
     geometry::Aabb around;
     for (const Eigen::Vector3d& node : mesh.nodes) around.add(node);
+    const geometry::SurfaceTree surface({mesh.nodes, mesh.topology.triangles});
     for (const WorldObject& object : world.objects) {
         const physics::RigidObject rigid = to_rigid(object);
         if (!may_be_in(around, rigid)) continue;
         const double depth_m = physics::overlap_m(soft.object, rigid);
+        // wholly inside, it touches no node
+        const double inside_m =
+            rigid.shape == physics::ObjectShape::kPlane ? 0.0 : physics::depth_m(rigid, surface);
+        if (inside_m > std::max(depth_m, kDeepSoft_m)) {
+            lines.push_back(fmt::format(
+                "soft_looks_wrong name={} reason=\"{} starts {:.2f} m inside it, and may stay "
+                "there: move one of them with position_m\"",
+                soft.name,
+                object.name,
+                inside_m));
+            return;
+        }
         if (depth_m <= kDeepSoft_m) continue;
         lines.push_back(
             fmt::format("soft_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which {}: "

@@ -218,6 +218,51 @@ TEST_F(SoftRest, HeavyBoxesOnAMat) {
     }
 }
 
+// They bounce little, stay flat, and never get inside.
+TEST_F(SoftRest, HeavyBoxesThatFallOnAMat) {
+    struct Fall {
+        double mass_kg, height_m, stiffness, spacing_m;
+    };
+    for (const Fall& fall : {Fall{60, 2.0, 0.8, 0.1},
+                             Fall{60, 2.0, 0.5, 0.05},
+                             Fall{20, 1.2, 0.5, 0.07},
+                             Fall{5, 1.2, 0.5, 0.1}}) {
+        SCOPED_TRACE(fall.mass_kg);
+        SCOPED_TRACE(fall.spacing_m);
+        stage.world.remove(kSoft);
+        stage.world.remove(8);
+        SoftObject mat = ball_at({0, 0, 0.105});
+        mat.shape = SoftShape::kBox;
+        mat.size_m = {1.2, 0.9, 0.2};
+        mat.spacing_m = fall.spacing_m;
+        mat.mass_kg = 8.6;
+        mat.stiffness = fall.stiffness;
+        ASSERT_EQ(stage.world.add_soft(mat), AddResult::kAdded);
+        RigidObject box{.id = 8, .size_m = {0.4, 0.3, 0.15}, .mass_kg = fall.mass_kg};
+        box.world_from_object.translation.z() = 0.275 + fall.height_m;
+        ASSERT_EQ(stage.world.add(box), AddResult::kAdded);
+        const auto bottom_m = [&] {
+            return stage.rigid(8).world_from_object.translation.z() - 0.075;
+        };
+        double lowest_m = 9.0, rebound_m = 0.0;
+        stage.run(6.0, [&] {
+            if (bottom_m() < lowest_m) lowest_m = rebound_m = bottom_m();
+            rebound_m = std::max(rebound_m, bottom_m());
+        });
+        EXPECT_LT(rebound_m - 0.2, 0.25 * fall.height_m);
+        const geometry::RigidTransform pose = stage.rigid(8).world_from_object;
+        EXPECT_GT((pose.rotation * Eigen::Vector3d::UnitZ()).z(), std::cos(0.1));
+        EXPECT_LT(pose.translation.head<2>().norm(), 0.1);
+        EXPECT_NEAR(bottom_m(), 0.18, 0.03) << "on the mat, not in it";
+        int num_above = 0;
+        for (const Eigen::Vector3f& node : stage.soft().positions) {
+            const Eigen::Vector3d at = pose.inverse() * node.cast<double>();
+            num_above += std::abs(at.x()) < 0.19 && std::abs(at.y()) < 0.14 && at.z() > 0.0 ? 1 : 0;
+        }
+        EXPECT_EQ(num_above, 0);
+    }
+}
+
 TEST_F(SoftRest, LightThingsUnderACloth) {
     for (const ObjectShape shape : {ObjectShape::kBox, ObjectShape::kCylinder}) {
         for (const double size_m : {0.1, 0.2}) {

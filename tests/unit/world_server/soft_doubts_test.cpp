@@ -35,6 +35,19 @@ TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAMovingOne) {
                 ElementsAre(HasSubstr("soft_looks_wrong name=soft reason=\"starts 0.")));
     EXPECT_THAT(doubts(crate + ball(0.5)),
                 ElementsAre(HasSubstr("inside crate, which throws both apart")));
+    const std::string mat =
+        "[[soft]]\nname = \"mat\"\nshape = \"box\"\nsize_m = [1.8, 1.2, 0.2]\nspacing_m = 0.1\n"
+        "mass_kg = 17\nposition_m = [0, 0, 0.105]\n";
+    const auto anvil_at = [&](const char* z) {
+        return kFloor +
+               "[[object]]\nname = \"anvil\"\nshape = \"box\"\nsize_m = [0.4, 0.3, 0.1]\n"
+               "mass_kg = 60\nposition_m = [0, 0, " +
+               z + "]\n" + mat;
+    };
+    EXPECT_THAT(doubts(anvil_at("0.26")), IsEmpty()) << "on it";
+    EXPECT_THAT(doubts(anvil_at("0.105")),
+                ElementsAre(HasSubstr("soft_looks_wrong name=mat reason=\"anvil starts 0.10 m "
+                                      "inside it, and may stay there")));
 }
 
 TEST_F(WorldDoubts, NameATieFarFromItsObject) {

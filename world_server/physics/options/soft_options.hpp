@@ -7,6 +7,7 @@ namespace atrium::physics {
 
 struct SoftContactOptions {
     float margin_m = 0.004F;    // contacts are kept up to this gap
+    float near_m = 0.02F;       // and up to this one with bodies, if they move apart
     float recovery_mps = 0.6F;  // speed at which penetrations are resolved
     float step_m = 0.01F;       // along the path of a sample that moves further than this in a tick
     int max_steps = 24;
@@ -32,6 +33,8 @@ struct SoftDepenetrationOptions {
 /// Of `SoftVolume`.
 struct SoftVolumeOptions {
     float inner_damping_hz = 4.0F;  // damping of motion relative to the whole
+    float rebound_mps = 0.1F;       // of a body that pressed it and moves away: from here on
+    float rebound_share = 0.15F;    // its forces are this share of what they are otherwise
     float max_volume_step = 0.02F;  // largest relative volume correction per substep
     // Shape matching gets stronger when a node is further from its place in the rest shape:
     // distance at which this begins and its range, both in radii, and the largest share of the way

@@ -46,7 +46,7 @@ SoftBody::SoftBody(const SoftObject& object, btSoftBodyWorldInfo& info, const Wo
     make_samples();
     if (!object.start_nodes.empty()) {  // only now: lengths and volume are those of the rest shape
         for (std::size_t i = 0; i < start_.size(); ++i)
-            start_[i] = to_bullet(object.start_nodes[i].cast<double>().eval());
+            start_[i] = to_bullet(start_of_node(object_, mesh_, i));
         reset_to_start();
     }
     rest_extent_ = (body_->m_bounds[1] - body_->m_bounds[0]).length();
@@ -61,8 +61,8 @@ void SoftBody::make_body(btSoftBodyWorldInfo& info) {
         start_.push_back(to_bullet((object_.world_from_object * mesh_.nodes[i]).eval()));
         masses.push_back(btScalar(object_.mass_kg * mesh_.shares[i]));
     }
-    const int num_nodes = static_cast<int>(start_.size());
-    body_ = std::make_unique<btSoftBody>(&info, num_nodes, start_.data(), masses.data());
+    body_ = std::make_unique<btSoftBody>(
+        &info, static_cast<int>(start_.size()), start_.data(), masses.data());
     body_->m_cfg.collisions = 0;
     body_->getCollisionShape()->setMargin(contact_setup_.thickness_m);
 
@@ -85,9 +85,8 @@ void SoftBody::make_body(btSoftBodyWorldInfo& info) {
         }
     }
     body_->updateConstants();
-    const auto bends = [](const SoftLink& link) { return link.bends; };
-    first_bend_ = static_cast<std::size_t>(
-        std::find_if(mesh_.links.begin(), mesh_.links.end(), bends) - mesh_.links.begin());
+    first_bend_ = static_cast<std::size_t>(std::ranges::find(mesh_.links, true, &SoftLink::bends) -
+                                           mesh_.links.begin());
     loose_.assign(start_.size(), 0);
     taut_.assign(start_.size(), 0);
     find_bounds();
@@ -158,6 +157,7 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
     for (btRigidBody* body : surroundings.bodies)
         if (!anchors_.is_attached_to(*body)) loose_bodies_.push_back(body);
     contacts_.find(*body_, skin, people, loose_bodies_, surroundings.supports, contact_setup_);
+    if (volume_) volume_->set_rebound(contacts_.rebound_mps());
     anchors_.begin_tick(anchored);
     contacts_.visit_bodies([&](btRigidBody& body) {
         if (!surroundings.supports.touches_fixed(body)) anchored.add(body);
@@ -244,8 +244,7 @@ void SoftBody::find_stretched() {
         }
     }
     // when one link slips out of hands, the whole object snaps back
-    const auto is_loose = [](std::uint8_t node) { return node != 0; };
-    if (std::any_of(loose_.begin(), loose_.end(), is_loose))
+    if (std::ranges::any_of(loose_, [](std::uint8_t node) { return node != 0; }))
         std::fill(taut_.begin(), taut_.end(), links.snap_ticks);
 }
 
@@ -333,11 +332,9 @@ void SoftBody::calm_down(btScalar seconds) {
 }
 
 void SoftBody::limit_speeds() {
-    const btScalar max_speed = btScalar(options_.max_speed_mps);
-    for (int i = 0; i < body_->m_nodes.size(); ++i) {
-        btVector3& velocity = body_->m_nodes[i].m_v;
-        velocity = slowed(velocity, max_speed);
-    }
+    const btScalar most = btScalar(options_.max_speed_mps);
+    for (int i = 0; i < body_->m_nodes.size(); ++i)
+        body_->m_nodes[i].m_v = slowed(body_->m_nodes[i].m_v, most);
 }
 
 void SoftBody::reset_to_start() {

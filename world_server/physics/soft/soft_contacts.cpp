@@ -37,9 +37,28 @@ bool rests(const SoftContact& contact, const btVector3& velocity, btScalar still
     return std::abs(plane_mps) < still_mps && closing_mps < still_mps;
 }
 
+// The contact of a sample at `at`, whose path begins at `start`, both relative to the body's pose
+// at the end of the tick.
+SoftContact contact_at(const btRigidBody& body,
+                       const ShapePoint& found,
+                       const btVector3& at,
+                       const btVector3& start,
+                       const btVector3& velocity,
+                       btScalar thickness_m) {
+    SoftContact contact;
+    contact.normal = body.getWorldTransform().getBasis() * found.normal;
+    contact.point = at - contact.normal * (found.distance - thickness_m);
+    contact.velocity = velocity;
+    contact.depth = std::max(btScalar(0), -contact.normal.dot(start - contact.point));
+    return contact;
+}
+
 // Finds the first point on the sample's path, relative to the body, that is within `thickness_m` of
-// it. If there is none, uses the end of the path.
+// it. If there is none, uses the end of the path. If that is too far away, uses its beginning if it
+// is near: what is behind the sample may push it back within the tick. Not if the push would press
+// the body onto what carries it, which does not need that.
 std::optional<SoftContact> find_contact_on_path(const btRigidBody& body,
+                                                const Supports& supports,
                                                 const SampleMotion& sample,
                                                 const SoftContactSetup& setup) {
     const btScalar thickness_m = setup.thickness_m;
@@ -51,25 +70,26 @@ std::optional<SoftContact> find_contact_on_path(const btRigidBody& body,
     const btVector3 start = sample.position + velocity * setup.tick_s;
     const btScalar length = way.length();
     const btScalar reach = thickness_m + setup.options.margin_m;
-    std::optional<ShapePoint> found;
+    const btScalar near_m = thickness_m + setup.options.near_m;
+    std::optional<ShapePoint> first, found;
     btVector3 at;
     const btScalar step_m = setup.options.step_m;
     btScalar walked = 0;
     for (int step = 0; step < setup.options.max_steps; ++step) {
         at = start + (length > 0 ? way * (walked / length) : btVector3(0, 0, 0));
-        found = distance_to_shape(
-            *body.getCollisionShape(), pose.invXform(at), reach + length - walked);
-        if (!found) return std::nullopt;
-        if (found->distance <= thickness_m || walked >= length) break;
+        found = distance_to_shape(*body.getCollisionShape(),
+                                  pose.invXform(at),
+                                  std::max(reach + length - walked, near_m));
+        if (step == 0) first = found;
+        if (!found || found->distance <= thickness_m || walked >= length) break;
         walked = std::min(length, walked + std::max(found->distance - thickness_m, step_m));
     }
-    if (found->distance > reach) return std::nullopt;
-    SoftContact contact;
-    contact.normal = pose.getBasis() * found->normal;
-    contact.point = at - contact.normal * (found->distance - thickness_m);
-    contact.velocity = velocity;
-    contact.depth = std::max(btScalar(0), -contact.normal.dot(start - contact.point));
-    return contact;
+    if (found && found->distance <= reach)
+        return contact_at(body, *found, at, start, velocity, thickness_m);
+    if (!first || first->distance > near_m) return std::nullopt;
+    const SoftContact near = contact_at(body, *first, start, start, velocity, thickness_m);
+    if (supports.stands(body, near.normal)) return std::nullopt;
+    return near;
 }
 
 std::optional<SoftContact> find_person_contact(const PeopleField& people,
@@ -145,7 +165,7 @@ void SoftContacts::find_with(const btSoftBody& soft,
         way_low.setMin(end);
         way_high.setMax(end);
         if (!TestAabbAgainstAabb2(low, high, way_low, way_high)) continue;
-        auto contact = find_contact_on_path(body, ways_[i], setup);
+        auto contact = find_contact_on_path(body, supports, ways_[i], setup);
         if (!contact) continue;
         contact->sample = skin.samples[i];
         contact->friction = std::sqrt(setup.friction * body.getFriction());
@@ -269,6 +289,19 @@ btScalar SoftContacts::heaviest_kg() const {
         if (c.body != nullptr && !c.is_carried)
             heaviest = std::max(heaviest, 1 / c.body->getInvMass());
     return heaviest;
+}
+
+btScalar SoftContacts::rebound_mps() const {
+    btScalar heaviest = 0, speed = 0;
+    for (const SoftContact& c : contacts_) {
+        if (c.body == nullptr || c.is_carried) continue;
+        const btScalar mass = 1 / c.body->getInvMass();
+        const btScalar away = -c.normal.dot(c.body->getLinearVelocity());
+        if (mass < heaviest || (mass == heaviest && away <= speed)) continue;
+        heaviest = mass;
+        speed = away;
+    }
+    return speed;
 }
 
 void SoftContacts::load_carriers() {

@@ -90,6 +90,8 @@ public:
         for (const SoftContact& contact : contacts_)
             if (contact.body != nullptr) take(*contact.body);
     }
+    /// Speed at which the heaviest body that it touches moves away from it [m/s]; 0: none.
+    btScalar rebound_mps() const;
     /// Mass of the heaviest body that may rest on the soft body [kg]; 0: none.
     btScalar heaviest_kg() const;
     /// Gives carried bodies the sum of the pushes on them. Call after the last substep.

@@ -55,8 +55,8 @@ void SoftVolume::match_shape(btScalar part) {
             (way.length() / inner_radius_ - options.dent_start) / options.dent_range;
         const btScalar over = std::clamp(out, btScalar(0), btScalar(1));
         const btVector3 step =
-            way *
-            (part * part * (match_share_ + (options.dent_share - match_share_) * over * over));
+            way * (share_ * part * part *
+                   (match_share_ + (options.dent_share - match_share_) * over * over));
         node.m_x += step;
         moved += step / node.m_im;
         mass += 1 / node.m_im;
@@ -97,7 +97,7 @@ void SoftVolume::keep_volume() {
     if (!(weight > 0)) return;
     const btScalar missing =
         limited(6 * rest_volume_ - volume, 6 * options_.max_volume_step * rest_volume_);
-    const btScalar push = missing / weight;
+    const btScalar push = share_ * missing / weight;
     for (int i = 0; i < body_.m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_.m_nodes[i];
         node.m_x += gradients_[static_cast<std::size_t>(i)] * (push * node.m_im);

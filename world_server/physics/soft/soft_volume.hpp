@@ -28,6 +28,11 @@ public:
     // in each substep; `part`: of SoftOptions::substep_s
     void match_shape(btScalar part);
     void keep_volume();
+    /// Says at which speed [m/s] a body that pressed it moves away. Foam gives back less than it
+    /// takes: then its forces are weaker.
+    void set_rebound(btScalar mps) {
+        share_ = mps > options_.rebound_mps ? options_.rebound_share : btScalar(1);
+    }
     /// Damps velocities at the end of a tick. Keeps linear and angular motion of the whole.
     void damp_inside(btScalar seconds);
 
@@ -42,6 +47,7 @@ private:
     btSoftBody& body_;
     const SoftTopology& topology_;
     btScalar match_share_;
+    btScalar share_ = 1;  // of the forces, in this tick
     SoftVolumeOptions options_;
     std::vector<btVector3> gradients_;     // per node: gradient of the volume
     std::vector<btVector3> rest_outward_;  // per node: unit normals of the rest shape
