@@ -106,6 +106,48 @@ TEST_P(JsonShapes, AListWithOneMatrixPerPose) {
     expect_truth(to_site);
 }
 
+TEST_P(JsonShapes, KeysThatSayWhatAPoseMeans) {
+    struct Pair {
+        const char* rotation;
+        const char* translation;
+        Reading::Pose pose;
+    };
+    for (const Pair& pair : {Pair{"R_cw", "t_cw", Reading::Pose::kCameraFromSite},
+                             {"R", "t_cw", Reading::Pose::kCameraFromSite},
+                             {"R_mat", "T_vec", Reading::Pose::kCameraFromSite},
+                             {"R_cw", "t_wc", Reading::Pose::kRotationAndPosition},
+                             {"R_wc", "T_wc", Reading::Pose::kSiteFromCamera}}) {
+        json tree;
+        for (const auto& camera : cameras_) {
+            const auto& k = camera.intrinsics;
+            const ForeignPose pose = foreign_pose(camera.camera_from_site, {pair.pose, false});
+            tree[camera.name] = {{"K_matrix", matrix_of_lens(camera)},
+                                 {"dist", k.distortion},
+                                 {"image_size", {k.width, k.height}},
+                                 {pair.rotation, rows_of(pose.rotation)},
+                                 {pair.translation, list_of(pose.vector)}};
+        }
+        expect_truth(tree);
+        const auto result = read(tree);
+        ASSERT_TRUE(result);
+        EXPECT_THAT(result->told, Contains(HasSubstr(", as documented: "))) << pair.rotation;
+    }
+}
+
+TEST_P(JsonShapes, ARotationAndATranslationOfOppositeDirections) {
+    json tree;
+    for (const auto& camera : cameras_) {
+        const auto& k = camera.intrinsics;
+        tree[camera.name] = {
+            {"K", matrix_of_lens(camera)},
+            {"dist", k.distortion},
+            {"image_size", {k.width, k.height}},
+            {"R_wc", rows_of(camera.camera_from_site.inverse().rotation.toRotationMatrix())},
+            {"t_cw", translation_of(camera)}};
+    }
+    expect_truth(tree);
+}
+
 // In some rooms a rotation of one direction beside the position would fit as well as the truth, or
 // better, but no matrix holds these two.
 TEST(OneMatrixPerPose, IsNoRotationBesideAPosition) {

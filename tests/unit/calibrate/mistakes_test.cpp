@@ -4,10 +4,12 @@
 #include "tools/calibrate/formats/format.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 namespace atrium::calibrate {
 namespace {
@@ -248,6 +250,79 @@ TEST_F(Mistakes, KeysThatAreNotUnderstoodAreListed) {
                              "b": {"K": [9, 0, 3, 0, 9, 2, 0, 0, 1], "T_world_a": [1, 2, 3]}})"),
                 AllOf(HasSubstr("no rotation and translation of a, b"),
                       HasSubstr("these keys are not understood: T_world_a; ")));
+}
+
+class OneFilePerCamera : public Mistakes {
+protected:
+    // OpenCV's files with these names of the matrix, rotation vector and translation.
+    Expected<ForeignRig> read(const std::string& k, const std::string& r, const std::string& t) {
+        Files files;
+        for (const auto& camera : cameras_) {
+            const auto& lens = camera.intrinsics;
+            const Eigen::AngleAxisd turn(camera.camera_from_site.rotation);
+            const Eigen::Vector3d rotation = turn.angle() * turn.axis();
+            const Eigen::Vector3d& translation = camera.camera_from_site.translation;
+            files.push_back(folder_.write(
+                camera.name + ".yml",
+                fmt::format("%YAML:1.0\n---\nimage_size: [{}, {}]\n{}: [{}, 0, {}, 0, {}, {}, 0, "
+                            "0, 1]\n{}: [{}, {}, {}]\n{}: [{}, {}, {}]\n",
+                            lens.width,
+                            lens.height,
+                            k,
+                            lens.fx,
+                            lens.cx,
+                            lens.fy,
+                            lens.cy,
+                            r,
+                            rotation.x(),
+                            rotation.y(),
+                            rotation.z(),
+                            t,
+                            translation.x(),
+                            translation.y(),
+                            translation.z())));
+        }
+        return read_foreign(files, "auto");
+    }
+};
+
+TEST_F(OneFilePerCamera, TakesKindsAndDirectionsForNoCameras) {
+    for (const auto& [k, r, t] : {std::array{"K", "R_vec", "T_vec"},
+                                  {"K_matrix", "r_vec", "t_vec"},
+                                  {"K", "rvec_cw", "t_cw"},
+                                  {"K_mat", "R_cw", "T_cw"}}) {
+        const auto rig = read(k, r, t);
+        ASSERT_TRUE(rig) << rig.error().message;
+        ASSERT_EQ(rig->cameras.size(), cameras_.size());
+        for (std::size_t i = 0; i < cameras_.size(); ++i) {
+            EXPECT_EQ(rig->cameras[i].name, cameras_[i].name);
+            const auto pose = camera_from_site(*rig->cameras[i].pose, rig->documented);
+            EXPECT_LT((pose.translation - cameras_[i].camera_from_site.translation).norm(), 1e-6);
+            EXPECT_LT(pose.rotation.angularDistance(cameras_[i].camera_from_site.rotation), 1e-6);
+        }
+    }
+}
+
+TEST_F(OneFilePerCamera, ListsWordsThatAreNotUnderstood) {
+    const auto world = read("K", "R_world", "T_world");
+    ASSERT_FALSE(world);
+    EXPECT_THAT(world.error().message,
+                AllOf(HasSubstr("no rotation and translation of cam1, cam2, cam3, cam4, cam5"),
+                      HasSubstr("these keys are not understood: R_world, T_world; understood ")));
+    const auto both = read("K_new", "R_world", "T_world");
+    ASSERT_FALSE(both);
+    EXPECT_THAT(both.error().message,
+                HasSubstr("these keys are not understood: K_new, R_world, T_world; understood "));
+}
+
+TEST_F(Mistakes, APoseThatCannotBeReadNamesItsKeys) {
+    EXPECT_THAT(error_of("a.json",
+                         R"({"a": {"K": [9, 0, 3, 0, 9, 2, 0, 0, 1], "R_vec": [1, 2, 3, 4],
+                                   "T_vec": [1, 2, 3]}})"),
+                HasSubstr("; R_vec has 4, T_vec 3"));
+    EXPECT_THAT(
+        error_of("b.json", R"({"a": {"K": [9, 0, 3, 0, 9, 2, 0, 0, 1], "RT": [1, 2, 3, 4]}})"),
+        AllOf(HasSubstr("must be a matrix of 3x4 or 4x4 numbers"), HasSubstr("; RT has 4")));
 }
 
 // A file whose up lies between its axes: an axis for --up makes it worse, and the import says so.

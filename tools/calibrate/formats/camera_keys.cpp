@@ -1,93 +1,44 @@
 #include "tools/calibrate/formats/camera_keys.hpp"
 
 #include "tools/calibrate/formats/format.hpp"
+#include "tools/calibrate/formats/key_names.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
+#include <utility>
 
 namespace atrium::calibrate {
 namespace {
-
-constexpr Keys kMatrix{"camera_matrix",
-                       "cameraMatrix",
-                       "camera_intrinsics",
-                       "intrinsic_matrix",
-                       "intrinsicMatrix",
-                       "intrinsics",
-                       "intrinsic",
-                       "matrix",
-                       "mtx",
-                       "K",
-                       "M"};
-constexpr Keys kDistortion{"distortion_coefficients",
-                           "distortionCoefficients",
-                           "dist_coeffs",
-                           "distCoeffs",
-                           "dist_coeff",
-                           "coeffs",
-                           "distortion",
-                           "distortions",
-                           "dist",
-                           "distCoef",
-                           "distortion_params",
-                           "distortion_parameters",
-                           "D"};
-// one by one, in OpenCV's order; k1 is always there
-constexpr Keys kCoefficients{"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
-constexpr Keys kFisheye{"k1", "k2", "k3", "k4"};
-constexpr Keys kRotation{"Rot", "R", "rotation_matrix", "rotation", "rvec", "rotation_vector", "r"};
-constexpr Keys kTranslation{"T", "t", "tvec", "translation", "translation_vector", "trans"};
-constexpr Keys kPose{"extrinsics",
-                     "extrinsic",
-                     "extrinsic_matrix",
-                     "RT",
-                     "Rt",
-                     "pose",
-                     "T_wc",
-                     "T_cw",
-                     "c2w",
-                     "w2c",
-                     "cam2world",
-                     "world2cam",
-                     "camera_to_world",
-                     "world_to_camera",
-                     "transform"};
-constexpr Keys kWidth{"image_width", "width", "W"};
-constexpr Keys kHeight{"image_height", "height", "H"};
-constexpr Keys kSize{"image_size", "imageSize", "img_size", "size", "resolution"};
-constexpr Keys kName{
-    "camera_name", "name", "camera_id", "cameraId", "cam_id", "cam_name", "id", "serial", "label"};
-constexpr Keys kModel{"distortion_model", "camera_model", "model"};
 
 // maps in which the values of their camera may be
 constexpr Keys kWrappers{
     "intrinsics", "intrinsic", "extrinsics", "extrinsic", "pose", "calibration", "lens"};
 
-bool is_key(const std::string& key) {
-    for (const Keys keys : {kMatrix, kDistortion, kRotation, kTranslation, kPose}) {
-        if (std::ranges::any_of(keys, [&](const char* name) { return key == name; })) return true;
+// "_01" of K_01, dist_01, Rot_01, T_01 in a file with all cameras side by side; else empty.
+std::string camera_suffix(const std::string& key, const Tree& value) {
+    // camera_matrix is a key by itself, not matrix of "camera"
+    if (is_key(key) || !numbers(value)) return {};
+    for (const Keys keys : {kMatrix, kTranslation}) {
+        for (const char* name : keys) {
+            const std::size_t at = std::string(name).size();
+            if (key.size() > at + 1 && key.size() <= at + 40 && key.starts_with(name) &&
+                key[at] == '_')
+                return key.substr(at);
+        }
     }
-    return false;
+    return {};
 }
 
-// K_01, dist_01, Rot_01, T_01: the endings of a file with all cameras side by side.
-std::vector<std::string> suffixes(const Tree& tree) {
+std::vector<std::string> suffixes(const Tree& tree, const std::set<std::string>& words) {
     std::vector<std::string> result;
     if (!tree.is_object()) return result;
     for (const auto& [key, value] : tree.items()) {
-        for (const Keys keys : {kMatrix, kTranslation}) {
-            for (const char* name : keys) {
-                const std::string head = std::string(name) + "_";
-                const std::string suffix = key.starts_with(head) ? key.substr(head.size() - 1) : "";
-                // camera_matrix is a key by itself, not matrix of "camera"
-                if (suffix.size() < 2 || suffix.size() > 40 || !numbers(value)) continue;
-                if (std::ranges::find(result, suffix) == result.end() && !is_key(key))
-                    result.push_back(suffix);
-            }
-        }
+        std::string suffix = camera_suffix(key, value);
+        if (!suffix.empty() && !words.contains(suffix) &&
+            std::ranges::find(result, suffix) == result.end())
+            result.push_back(std::move(suffix));
     }
     return result;
 }
@@ -100,6 +51,41 @@ const Tree* find_with(const Tree& tree, Keys keys, const std::string& suffix) {
 }
 void set(const Tree*& target, const Tree* value) {
     if (value != nullptr) target = value;
+}
+void set(const Tree*& target, std::string& key, const Tree& map, const Tree* value) {
+    if (value == nullptr) return;
+    target = value;
+    for (const auto& [name, child] : map.items())
+        if (&child == value) key = name;
+}
+bool has_three(const Tree* value) {
+    const auto all = value == nullptr ? std::nullopt : numbers(*value);
+    return all && all->size() == 3;
+}
+void set_pose(Found& camera, const Tree& tree, const std::string& suffix) {
+    set(camera.rotation, camera.rotation_key, tree, find_with(tree, kRotation, suffix));
+    set(camera.translation, camera.translation_key, tree, find_with(tree, kTranslation, suffix));
+    const Tree* cw = find_with(tree, kRotationCw, suffix);
+    const Tree* wc = find_with(tree, kRotationWc, suffix);
+    const Tree* t_cw = find_with(tree, kTranslationCw, suffix);
+    const Tree* t_wc = find_with(tree, kTranslationWc, suffix);
+    // T_cw is also the name of a matrix
+    if (!has_three(t_cw)) t_cw = nullptr;
+    if (!has_three(t_wc)) t_wc = nullptr;
+    if (cw == nullptr && wc == nullptr && t_cw == nullptr && t_wc == nullptr) {
+        set(camera.pose, camera.pose_key, tree, find_with(tree, kPose, suffix));
+        return;
+    }
+    // both directions of one pose: one is enough
+    if (cw != nullptr && t_cw != nullptr) wc = t_wc = nullptr;
+    if (wc != nullptr && t_wc != nullptr) cw = t_cw = nullptr;
+    set(camera.rotation, camera.rotation_key, tree, cw != nullptr ? cw : wc);
+    set(camera.translation, camera.translation_key, tree, t_cw != nullptr ? t_cw : t_wc);
+    // a lens's place beside a rotation into the camera
+    camera.meaning = t_wc != nullptr && cw != nullptr   ? Reading::Pose::kRotationAndPosition
+                     : t_cw != nullptr || cw != nullptr ? Reading::Pose::kCameraFromSite
+                                                        : Reading::Pose::kSiteFromCamera;
+    camera.is_mixed = wc != nullptr && t_cw != nullptr;
 }
 void set_size(Found& camera, const Tree& tree, const std::string& suffix) {
     set(camera.width, find_with(tree, kWidth, suffix));
@@ -117,84 +103,6 @@ bool has_focal(const Tree& map) {
 bool has_coefficients(const Tree& map) {
     const Tree* first = find(map, {"k1"});
     return first != nullptr && number(*first).has_value();
-}
-
-// At the top of a file a camera's name may follow: K_01.
-bool is_one_of(const std::string& key, std::initializer_list<Keys> all, int depth) {
-    const auto lower = [](std::string text) {
-        std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-        return text;
-    };
-    for (const Keys keys : all) {
-        for (const char* known : keys) {
-            if (lower(key) == lower(known) ||
-                (depth == 0 && key.starts_with(std::string(known) + "_")))
-                return true;
-        }
-    }
-    return false;
-}
-
-bool is_key_of_numbers(const std::string& key, int depth) {
-    return is_one_of(key,
-                     {kMatrix,
-                      kFocal[0],
-                      kFocal[1],
-                      kFocal[2],
-                      kFocal[3],
-                      kDistortion,
-                      kCoefficients,
-                      kRotation,
-                      kTranslation,
-                      kPose,
-                      kWidth,
-                      kHeight,
-                      kSize},
-                     depth);
-}
-
-bool is_known_key(const std::string& key, int depth) {
-    return is_key_of_numbers(key, depth) || is_one_of(key, {kName, kModel}, depth);
-}
-
-// The first text in a list, or lists of those, of numbers.
-std::string text_among_numbers(const Tree& value, int depth) {
-    if (depth > 3 || !value.is_array()) return {};
-    for (const Tree& element : value) {
-        if (element.is_string()) return element.get<std::string>();
-        if (std::string text = text_among_numbers(element, depth + 1); !text.empty()) return text;
-    }
-    return {};
-}
-
-std::string unreadable_below(const Tree& tree, const std::string& path, int depth) {
-    if (depth > 4 || !tree.is_structured()) return {};
-    for (const auto& [key, value] : tree.items()) {
-        const std::string where = path + (path.empty() ? "" : ".") + key;
-        if (tree.is_object() && is_key_of_numbers(key, depth)) {
-            const std::string comma =
-                value.is_string() ? decimal_comma(value.get<std::string>()) : std::string();
-            const std::string text = comma.empty() ? text_among_numbers(value, 0) : comma;
-            if (!decimal_comma(text).empty()) return where + ": " + comma_is_no_point(text);
-            if (!text.empty())
-                return fmt::format("{}: '{}' is not a number; write numbers without quotes",
-                                   where,
-                                   text.substr(0, 40));
-        }
-        if (std::string bad = unreadable_below(value, where, depth + 1); !bad.empty()) return bad;
-    }
-    return {};
-}
-
-void add_unknown_below(const Tree& tree, int depth, std::vector<std::string>& unknown) {
-    constexpr std::size_t kMaxNamed = 12;
-    if (depth > 3 || !tree.is_structured()) return;
-    for (const auto& [key, value] : tree.items()) {
-        if (unknown.size() == kMaxNamed) return;
-        const bool is_unknown = tree.is_object() && numbers(value) && !is_known_key(key, depth);
-        if (is_unknown && std::ranges::find(unknown, key) == unknown.end()) unknown.push_back(key);
-        if (!numbers(value)) add_unknown_below(value, depth + 1, unknown);
-    }
 }
 
 // "cam2" of "cam2_to_cam1"; else the whole name.
@@ -224,6 +132,27 @@ Tree CameraKeys::flattened(Tree tree, int depth) {
     return tree;
 }
 
+std::set<std::string> CameraKeys::find_words(const std::vector<Tree>& trees) {
+    std::set<std::string> keys;
+    std::set<std::string> all;
+    std::set<std::string> repeated;
+    bool has_plain = false;
+    for (const Tree& tree : trees) {
+        if (!tree.is_object()) continue;
+        for (const auto& [key, value] : tree.items()) {
+            const std::string suffix = camera_suffix(key, value);
+            has_plain = has_plain || (is_key(key) && numbers(value));
+            if (suffix.empty()) continue;
+            all.insert(suffix);
+            if (!keys.insert(key).second) repeated.insert(suffix);
+        }
+    }
+    if (all.size() == 1 && has_plain) return all;
+    // else the same cameras were given twice
+    if (has_plain || all.size() < trees.size()) return repeated;
+    return {};
+}
+
 Expected<void> CameraKeys::add(const Tree& tree,
                                const std::filesystem::path& file,
                                const std::string& name) {
@@ -235,7 +164,8 @@ Expected<void> CameraKeys::add(const Tree& tree,
         find(tree, {"R"}) != nullptr && find(tree, {"T"}) != nullptr &&
         (has_stereo_ || (find(tree, {"R1"}) != nullptr && find(tree, {"P1"}) != nullptr));
     if (is_stereo || is_stereo_pose) return add_stereo(tree);
-    for (const std::string& suffix : suffixes(tree)) add_keys(tree, suffix, suffix.substr(1));
+    for (const std::string& suffix : suffixes(tree, words_))
+        add_keys(tree, suffix, suffix.substr(1));
     if (found_some_) return {};
     add_map(tree, name, 0);
     if (cameras_.size() > kMaxCamerasRead) return too_many_cameras(where_);
@@ -252,8 +182,8 @@ Expected<void> CameraKeys::add_stereo(const Tree& tree) {
         camera.where = where_;
     }
     Found& second = cameras_["cam2"];
-    set(second.rotation, find(tree, {"R"}));
-    set(second.translation, find(tree, {"T"}));
+    set(second.rotation, second.rotation_key, tree, find(tree, {"R"}));
+    set(second.translation, second.translation_key, tree, find(tree, {"T"}));
     Found& first = cameras_["cam1"];
     first.rotation = &no_rotation_;
     first.translation = &no_rotation_;
@@ -269,9 +199,7 @@ void CameraKeys::add_keys(const Tree& tree, const std::string& suffix, const std
     set(camera.distortion, find_with(tree, kDistortion, suffix));
     for (const Tree* map : {&tree, camera.matrix, camera.distortion})
         if (suffix.empty() && map != nullptr && has_coefficients(*map)) camera.coefficients = map;
-    set(camera.rotation, find_with(tree, kRotation, suffix));
-    set(camera.translation, find_with(tree, kTranslation, suffix));
-    set(camera.pose, find_with(tree, kPose, suffix));
+    set_pose(camera, tree, suffix);
     set(camera.model, find_with(tree, kModel, suffix));
     set_size(camera, tree, suffix);
     camera.where = where_;
@@ -288,7 +216,8 @@ void CameraKeys::add_map(const Tree& tree, const std::string& name, int depth) {
     const Tree* matrix = find(tree, kMatrix);
     const bool is_camera = has(kMatrix) || has_focal(tree) ||
                            (matrix != nullptr && has_focal(*matrix)) || has(kPose) ||
-                           (has(kRotation) && has(kTranslation));
+                           ((has(kRotation) || has(kRotationCw) || has(kRotationWc)) &&
+                            (has(kTranslation) || has(kTranslationCw) || has(kTranslationWc)));
     if (is_camera) {
         const Tree* own = find(tree, kName);
         const bool is_text = own != nullptr && own->is_string();
@@ -320,14 +249,11 @@ void CameraKeys::finish() {
         camera->second.pose = found.pose;
         camera->second.rotation = found.rotation;
         camera->second.translation = found.translation;
+        camera->second.rotation_key = found.rotation_key;
+        camera->second.translation_key = found.translation_key;
+        camera->second.pose_key = found.pose_key;
         it = cameras_.erase(it);
     }
-}
-
-std::string unreadable_value(const Tree& tree) { return unreadable_below(tree, "", 0); }
-
-void add_unknown_keys(const Tree& tree, std::vector<std::string>& unknown) {
-    add_unknown_below(tree, 0, unknown);
 }
 
 }  // namespace atrium::calibrate

@@ -2,12 +2,16 @@
 
 #include "core/base/expected.hpp"
 #include "tools/calibrate/formats/data_tree.hpp"
+#include "tools/calibrate/judge/reading.hpp"
 
 #include <array>
 #include <filesystem>
 #include <initializer_list>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// The keys of one camera in files of named numbers. OpenCV documents what camera_matrix and
@@ -26,6 +30,11 @@ struct Found {
     const Tree* rotation = nullptr;
     const Tree* translation = nullptr;
     const Tree* pose = nullptr;
+    std::string rotation_key;
+    std::string translation_key;
+    std::string pose_key;
+    std::optional<Reading::Pose> meaning;  // that the keys say, as R_wc and t_wc do
+    bool is_mixed = false;                 // R_wc and t_cw: the rotation is the other way round
     const Tree* width = nullptr;
     const Tree* height = nullptr;
     const Tree* size = nullptr;
@@ -43,6 +52,12 @@ public:
     /// in, unless it has such values itself.
     static Tree flattened(Tree tree, int depth = 0);
 
+    /// Endings of keys, as "_world" of R_world and T_world, that cannot name cameras: several files
+    /// have the same key, or the only ending stands beside keys without one.
+    static std::set<std::string> find_words(const std::vector<Tree>& trees);
+
+    explicit CameraKeys(std::set<std::string> words) : words_(std::move(words)) {}
+
     /// `tree` must outlive this and be flattened. A camera that has no other name is called `name`.
     /// Error kInvalidData for too many cameras.
     Expected<void> add(const Tree& tree,
@@ -59,6 +74,7 @@ private:
     void add_keys(const Tree& tree, const std::string& suffix, const std::string& name);
     void add_map(const Tree& tree, const std::string& name, int depth);
 
+    std::set<std::string> words_;
     std::map<std::string, Found> cameras_;
     std::string where_;
     bool found_some_ = false;  // in this file
@@ -70,7 +86,10 @@ private:
 /// have a point: 900.5". Empty: there is none. A camera with it would look like no camera.
 std::string unreadable_value(const Tree& tree);
 
-/// Keys with numbers that mean nothing here, in a file, at most 12, without repetition.
-void add_unknown_keys(const Tree& tree, std::vector<std::string>& unknown);
+/// Keys with numbers that mean nothing here, in a file, at most 12, without repetition. `words`:
+/// see CameraKeys::find_words.
+void add_unknown_keys(const Tree& tree,
+                      const std::set<std::string>& words,
+                      std::vector<std::string>& unknown);
 
 }  // namespace atrium::calibrate

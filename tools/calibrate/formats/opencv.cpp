@@ -1,6 +1,7 @@
 // Files of OpenCV's FileStorage, and JSON with the same keys (camera_keys.hpp).
 #include "tools/calibrate/formats/camera_keys.hpp"
 #include "tools/calibrate/formats/format.hpp"
+#include "tools/calibrate/formats/key_names.hpp"
 #include "tools/calibrate/formats/lens.hpp"
 #include "tools/calibrate/names/name_parts.hpp"
 
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 namespace atrium::calibrate {
@@ -27,21 +29,34 @@ std::optional<ForeignPose> pose_of(const Found& found) {
         rotation = numbers(*found.rotation).value_or(rotation);
         translation = numbers(*found.translation).value_or(translation);
     }
-    const auto matrix = rotation_of(rotation);
+    auto matrix = rotation_of(rotation);
     if (!matrix || translation.size() != 3) return std::nullopt;
+    if (found.is_mixed) matrix->transposeInPlace();
     return ForeignPose{*matrix, {translation[0], translation[1], translation[2]}};
+}
+
+std::size_t count_numbers(const Tree* value) {
+    const auto all = value == nullptr ? std::nullopt : numbers(*value);
+    return all ? all->size() : 0;
+}
+
+// The keys of a pose and how many numbers each has: "R_vec has 4, T 3".
+std::string read_pose(const Found& found) {
+    if (found.pose != nullptr)
+        return fmt::format("{} has {}", found.pose_key, count_numbers(found.pose));
+    return fmt::format("{} has {}, {} {}",
+                       found.rotation_key,
+                       count_numbers(found.rotation),
+                       found.translation_key,
+                       count_numbers(found.translation));
 }
 
 // A list takes a decimal comma for a separator.
 bool has_number_too_many(const Found& found) {
-    const auto count = [](const Tree* value) {
-        const auto all = value == nullptr ? std::nullopt : numbers(*value);
-        return all ? all->size() : 0;
-    };
-    const std::size_t of_rotation = count(found.rotation);
-    const std::size_t of_pose = count(found.pose);
+    const std::size_t of_rotation = count_numbers(found.rotation);
+    const std::size_t of_pose = count_numbers(found.pose);
     return of_pose > 12 ? of_pose != 16
-                        : count(found.translation) > 3 || of_rotation > 9 ||
+                        : count_numbers(found.translation) > 3 || of_rotation > 9 ||
                               (of_rotation > 3 && of_rotation < 9);
 }
 
@@ -137,12 +152,23 @@ Expected<ForeignCamera> camera_of(const std::string& name,
     const bool has_values =
         found.pose != nullptr || (found.rotation != nullptr && found.translation != nullptr);
     if (has_values && !camera.pose) {
-        return wrong(fmt::format(
-            "its pose must be a right-handed rotation matrix of 9 numbers or a rotation vector of "
-            "3, and a translation of 3 numbers{}",
-            has_number_too_many(found) ? kCommaMakesTwo : ""));
+        return wrong(fmt::format("its pose must be {}; {}{}",
+                                 found.pose != nullptr
+                                     ? "a matrix of 3x4 or 4x4 numbers with a right-handed rotation"
+                                     : "a right-handed rotation matrix of 9 numbers or a rotation "
+                                       "vector of 3, and a translation of 3 numbers",
+                                 read_pose(found),
+                                 has_number_too_many(found) ? kCommaMakesTwo : ""));
     }
     return camera;
+}
+
+// What the keys of all cameras say of their poses, as R_wc does; else what OpenCV documents.
+Reading::Pose common_meaning(const std::map<std::string, Found>& cameras) {
+    std::set<std::optional<Reading::Pose>> said;
+    for (const auto& [name, found] : cameras) said.insert(found.meaning);
+    return said.size() == 1 ? said.begin()->value_or(Reading::Pose::kCameraFromSite)
+                            : Reading::Pose::kCameraFromSite;
 }
 
 }  // namespace
@@ -152,7 +178,6 @@ Expected<ForeignRig> read_opencv(const Files& files) {
     rig.format = "OpenCV";
     std::vector<Tree> trees;  // `Found` points into them
     trees.reserve(files.size());
-    CameraKeys collector;
     std::vector<std::string> names;
     for (const auto& file : files) names.push_back(file.stem().string());
     names = without_calibration_words(names);
@@ -168,7 +193,11 @@ Expected<ForeignRig> read_opencv(const Files& files) {
         if (const std::string bad = unreadable_value(*tree); !bad.empty())
             return make_error(ErrorKind::kInvalidData, fmt::format("{}: {}", file.string(), bad));
         trees.push_back(CameraKeys::flattened(std::move(*tree)));
-        if (auto added = collector.add(trees.back(), file, names[trees.size() - 1]); !added)
+    }
+    const std::set<std::string> words = CameraKeys::find_words(trees);
+    CameraKeys collector(words);
+    for (std::size_t i = 0; i < trees.size(); ++i) {
+        if (auto added = collector.add(trees[i], files[i], names[i]); !added)
             return tl::unexpected(added.error());
     }
     collector.finish();
@@ -176,6 +205,7 @@ Expected<ForeignRig> read_opencv(const Files& files) {
     std::optional<Error> failure;
     rig.has_matrix_poses = std::ranges::all_of(
         collector.cameras(), [](const auto& camera) { return camera.second.pose != nullptr; });
+    rig.documented.pose = common_meaning(collector.cameras());
     for (const auto& [name, found] : collector.cameras()) {
         auto camera = camera_of(name, found, rig.notes, height_first);
         if (!camera && !failure) failure = camera.error();
@@ -212,7 +242,7 @@ Expected<ForeignRig> read_opencv(const Files& files) {
     if (failure) return tl::unexpected(*failure);
     std::vector<std::string> unknown;
     for (const Tree& tree : trees)
-        if (!is_complete) add_unknown_keys(tree, unknown);
+        if (!is_complete) add_unknown_keys(tree, words, unknown);
     if (!unknown.empty()) {
         rig.problems.push_back(
             fmt::format("these keys are not understood: {}; understood are camera_matrix or K, "
