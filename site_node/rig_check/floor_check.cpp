@@ -23,6 +23,15 @@ constexpr double kMostHeight_m = 2.4;
 // deeper. Above, silhouettes miss dark shoes, up to the ankles.
 constexpr double kBelow_m = -0.25;
 constexpr double kAbove_m = 0.2;
+// Of a lower end that cameras agree on. Silhouettes may reach as far below the middle of the feet,
+// in vertical metres: a foot nearer to a camera that looks down appears lower. Something that hides
+// as much of one silhouette would look like feet at this height, so they must be higher.
+constexpr double kLowerEnd_m = 0.4;
+constexpr double kHigh_m = 0.45;
+constexpr double kBesideFeet_m = 0.5;  // farther aside are other people
+constexpr double kLowerPart_m = 0.5;   // above the feet; what a border cuts there counts
+constexpr double kNearBorder_px = 3.0;
+constexpr std::size_t kCamerasPerCut = 8;   // one of so many may be cut
 constexpr std::size_t kMostInstants = 600;  // these have decided it
 constexpr double kMostlyOff = 0.8;
 
@@ -62,6 +71,40 @@ std::vector<Section> cut_levels(const geometry::TriangleMesh& mesh,
     return sections;
 }
 
+struct LowerEnd {
+    bool is_known = false;
+    bool is_cut = false;      // by the picture's border
+    bool is_at_feet = false;  // does not go on far below them
+};
+
+LowerEnd lower_end_of(const hull::SilhouetteView& view, const Eigen::Vector3d& feet_site) {
+    constexpr double kStep_m = 0.1;
+    const auto& k = view.intrinsics;
+    const Eigen::Vector3d at = view.camera_from_site * feet_site;
+    const Eigen::Vector3d below =
+        view.camera_from_site * Eigen::Vector3d(feet_site - kStep_m * Eigen::Vector3d::UnitZ());
+    if (!(at.z() > kStep_m) || !(below.z() > 0.0) || view.contours.empty()) return {};
+    const Eigen::Vector2d feet_px = k.project(at);
+    const Eigen::Vector2d down = (k.project(below) - feet_px) / kStep_m;  // pixels per metre
+    if (!(down.norm() > 1.0)) return {};
+    LowerEnd result{true, false, true};
+    for (const auto& contour : view.contours) {
+        for (const Eigen::Vector2d& p : contour) {
+            const Eigen::Vector2d off = p - feet_px;
+            const double down_m = off.dot(down) / down.squaredNorm();
+            const double aside_m = (off.x() * down.y() - off.y() * down.x()) / down.squaredNorm();
+            if (std::abs(aside_m) < kBesideFeet_m && down_m > kLowerEnd_m)
+                result.is_at_feet = false;
+            if (down_m < -kLowerPart_m || result.is_cut) continue;
+            const Eigen::Vector2d in_picture = k.distort(p);
+            result.is_cut = !(in_picture.x() > kNearBorder_px && in_picture.y() > kNearBorder_px &&
+                              in_picture.x() < k.width - 1.0 - kNearBorder_px &&
+                              in_picture.y() < k.height - 1.0 - kNearBorder_px);
+        }
+    }
+    return result;
+}
+
 }  // namespace
 
 std::optional<Footing> find_footing(const geometry::TriangleMesh& hull) {
@@ -93,6 +136,17 @@ bool sees_floor(std::span<const views::NamedView> views,
     return num_seeing >= 2 && (num_seeing == views.size() || !knows_outside);
 }
 
+bool shows_lower_end(std::span<const views::NamedView> views, const Footing& footing) {
+    if (footing.feet_site.z() < kHigh_m || views.size() < 2) return false;
+    std::size_t num_cut = 0;
+    for (const auto& view : views) {
+        const LowerEnd end = lower_end_of(view.view, footing.feet_site);
+        if (!end.is_known || !end.is_at_feet) return false;
+        num_cut += end.is_cut ? 1 : 0;
+    }
+    return num_cut <= views.size() / kCamerasPerCut;
+}
+
 void FloorCheck::add(const Footing& footing, bool is_floor_seen) {
     const double feet_m = footing.feet_site.z();
     if (footing.height_m < kLeastHeight_m || footing.height_m > kMostHeight_m) return;
@@ -115,23 +169,45 @@ std::optional<double> FloorCheck::feet_off_floor_m() const {
     return *median;
 }
 
-std::string explain_floor(double feet_m, const std::string& camera, double lens_z_m) {
+std::string explain_floor(double feet_m,
+                          const std::string& camera,
+                          double lens_z_m,
+                          const std::optional<Measured>& measured) {
     const std::string seen =
-        feet_m < 0.0 ? fmt::format(
-                           "people stand {:.2f} m below the floor, z = 0 of the rig: its origin "
-                           "lies above the floor, as that of a board on a table does, or its up "
-                           "direction is wrong",
-                           -feet_m)
-                     : fmt::format(
-                           "the feet of people stay {:.2f} m above the floor, z = 0 of the rig: if "
-                           "they do not stand on a platform and nothing hides their feet, the "
-                           "origin lies below the floor, or the up direction is wrong",
-                           feet_m);
+        feet_m < 0.0
+            ? fmt::format("people stand {:.2f} m below the floor, z = 0 of the rig", -feet_m)
+            : fmt::format("the feet of people stay {:.2f} m above the floor, z = 0 of the rig",
+                          feet_m);
+    const std::string if_so =
+        feet_m < 0.0 ? "" : "if they do not stand on a platform and nothing hides their feet, ";
+    if (measured && measured->has_heights) {
+        return fmt::format(
+            "{}: {}a number of --distance or --camera-height is wrong (you say: {}), or the up "
+            "direction is: measure again, in metres, heights from the floor to the lens; by this "
+            "{} is about {:.2f} m above the floor, if the other numbers are right",
+            seen,
+            if_so,
+            measured->text,
+            camera,
+            lens_z_m - feet_m);
+    }
+    const bool may_have_board = !measured || measured->text.empty();
+    const std::string or_measured =
+        !measured ? ", or a measured height or distance that was given to the import is wrong"
+        : may_have_board
+            ? ""
+            : fmt::format(", or a number of --distance is wrong (you say: {})", measured->text);
     return fmt::format(
-        "{}: measure how high the lens of {} is above the floor, about {:.2f} m by "
-        "this, and import the calibration again: atrium calibrate import ... "
-        "--camera-height {} METRES",
+        "{}: {}{} origin lies {} the floor{}, or {} up direction is wrong{}: measure how high the "
+        "lens of {} is above the floor, about {:.2f} m by this, and import the calibration again: "
+        "atrium calibrate import ... --camera-height {} METRES",
         seen,
+        if_so,
+        feet_m < 0.0 ? "its" : "the",
+        feet_m < 0.0 ? "above" : "below",
+        feet_m < 0.0 && may_have_board ? ", as that of a board on a table does" : "",
+        feet_m < 0.0 ? "its" : "the",
+        or_measured,
         camera,
         lens_z_m - feet_m,
         camera);

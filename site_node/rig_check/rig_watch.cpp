@@ -263,7 +263,9 @@ void RigWatch::judge_floor(const Look& look) {
     if (options_.bounds &&
         (options_.bounds->min.z() > kCutHere_m || feet.z() < options_.bounds->min.z() + kCutHere_m))
         return;
-    floor_.add(*look.footing, sees_floor(look.views, feet, options_.knows_outside));
+    floor_.add(*look.footing,
+               sees_floor(look.views, feet, options_.knows_outside) ||
+                   (options_.knows_outside && shows_lower_end(look.views, *look.footing)));
     const auto feet_m = floor_.feet_off_floor_m();
     if (!feet_m) return;
     const views::NamedView& first = look.views.front();

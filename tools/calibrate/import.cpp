@@ -129,6 +129,22 @@ void check_lenses(const config::Rig& rig, std::vector<std::string>& checks) {
                           : fmt::format("; and {} more like it", doubts.size() - 1)));
 }
 
+// The cure for pictures whose width and height are swapped. No file says in which direction QTM
+// turns, so both are given: transpose=2 undoes a turn by 90 degrees clockwise.
+std::string turn_back(const ForeignCamera& camera) {
+    const int degrees = camera.view_rotation_deg;
+    if (degrees != 90 && degrees != 270)
+        return "they were turned, perhaps because their EXIF data or the video's rotation says so; "
+               "export them as the camera took them";
+    return fmt::format(
+        "QTM turned them, as viewrotation {} of the calibration says; export them with a rotation "
+        "of 0, or turn them back: ffmpeg -i FILE -vf transpose={} OUT; if the silhouettes do not "
+        "fit then, with transpose={}",
+        degrees,
+        degrees == 90 ? 2 : 1,
+        degrees == 90 ? 1 : 2);
+}
+
 // The size of pictures that exist decides; a calibration of another size is wrong or to be scaled.
 Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Said& said) {
     for (ForeignCamera& camera : rig.cameras) {
@@ -154,13 +170,13 @@ Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Sa
             return make_error(
                 ErrorKind::kConfiguration,
                 fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px: "
-                            "they were turned, perhaps because their EXIF data or the video's "
-                            "rotation says so; export them as the camera took them",
+                            "{}",
                             camera.known_name(),
                             camera.lens.width,
                             camera.lens.height,
                             look.width,
-                            look.height));
+                            look.height,
+                            turn_back(camera)));
         }
         return make_error(
             ErrorKind::kConfiguration,
@@ -326,7 +342,7 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     append(report.problems, conclusion->problems);
     for (const RoomDoubt& doubt : doubt_rooms(*material))
         (doubt.is_in_most_cameras ? report.problems : report.checks).push_back(doubt.text);
-    if (auto doubt = doubt_of_floor(*material, conclusion->rig.cameras, options.invert_masks);
+    if (auto doubt = doubt_of_floor(*material, conclusion->rig.cameras, options.invert_masks, said);
         !doubt.empty())
         report.checks.push_back(std::move(doubt));
     check_lenses(conclusion->rig, report.checks);

@@ -16,6 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::StartsWith;
 
 // Whether a ray meets a capsule of 1.7 m that stands at z = `feet_m`.
@@ -30,7 +31,10 @@ bool meets_person(const Eigen::Vector3d& from, const Eigen::Vector3d& along, dou
 class FloorDoubt : public testing::Test {
 protected:
     // Masks of somebody who stands still.
-    std::string doubt(double feet_m, std::size_t num_masks, bool inverted = false) {
+    std::string doubt(double feet_m,
+                      std::size_t num_masks,
+                      bool inverted = false,
+                      const Said& said = {}) {
         Material material;
         for (const auto& camera : rig_) {
             const auto& k = camera.intrinsics;
@@ -48,7 +52,7 @@ protected:
             Shots& shots = material.masks[camera.name];
             for (std::size_t i = 0; i < num_masks; ++i) shots.pictures[100 + i] = file;
         }
-        return doubt_of_floor(material, rig_, inverted);
+        return doubt_of_floor(material, rig_, inverted, said);
     }
 
     test::Folder folder_;
@@ -64,10 +68,35 @@ TEST_F(FloorDoubt, NamesPeopleInTheFloorAndAboveIt) {
     EXPECT_THAT(doubt(0.5, 12), StartsWith("floor: the feet of people stay 0.5"));
 }
 
+TEST_F(FloorDoubt, NamesTheNumbersThatWereMeasured) {
+    Said said;
+    said.distance = {"cam1", "cam3", 6.137};
+    const std::string scaled = doubt(-0.74, 12, false, said);
+    EXPECT_THAT(scaled,
+                HasSubstr("a number of --distance is wrong (you say: cam1 to cam3 6.137 m"));
+    EXPECT_THAT(scaled, HasSubstr("--camera-height cam0 METRES"));
+    EXPECT_THAT(scaled, Not(HasSubstr("board")));
+    said.heights = {{"cam1", 2.083}};
+    const std::string measured = doubt(0.5, 12, false, said);
+    EXPECT_THAT(measured,
+                HasSubstr("a number of --distance or --camera-height is wrong (you say: cam1 to "
+                          "cam3 6.137 m; cam1 2.083 m high)"));
+    EXPECT_THAT(measured, HasSubstr("by this cam1 is about 1.68 m"));
+    EXPECT_THAT(measured, Not(HasSubstr("METRES")));
+    EXPECT_THAT(measured, Not(HasSubstr("board")));
+}
+
+TEST_F(FloorDoubt, NamesHowFarARigIsOffTheFloor) {
+    for (const double feet_m : {-1.2, -0.7, -0.3, 0.3, 0.5, 0.7, 0.9}) {
+        EXPECT_THAT(doubt(feet_m, 12), StartsWith("floor: ")) << feet_m;
+    }
+    EXPECT_THAT(doubt(0.0, 12), IsEmpty());
+}
+
 TEST_F(FloorDoubt, IsSilentOnTheFloorAndAboutFewOrNoMasks) {
     EXPECT_THAT(doubt(0.0, 12), IsEmpty());
     EXPECT_THAT(doubt(-0.74, 9), IsEmpty());
-    EXPECT_THAT(doubt_of_floor({}, rig_, false), IsEmpty());
+    EXPECT_THAT(doubt_of_floor({}, rig_, false, {}), IsEmpty());
 }
 
 TEST_F(FloorDoubt, IsSilentAboutMasksThatCannotBeRead) {
@@ -76,7 +105,7 @@ TEST_F(FloorDoubt, IsSilentAboutMasksThatCannotBeRead) {
     for (const auto& camera : rig_) {
         for (std::size_t i = 0; i < 12; ++i) material.masks[camera.name].pictures[i] = file;
     }
-    EXPECT_THAT(doubt_of_floor(material, rig_, false), IsEmpty());
+    EXPECT_THAT(doubt_of_floor(material, rig_, false, {}), IsEmpty());
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <random>
@@ -67,6 +68,81 @@ TEST(FloorCheck, IsSilentAboutPeopleWhoJumpOrClimb) {
     std::vector<double> tilted = constant(-0.3, 10);
     tilted.resize(20, 0.3);
     EXPECT_FALSE(judge(tilted));
+}
+
+// Cameras that look up a little, so that they do not see the floor below somebody who hangs high.
+class LowerEnds : public testing::Test {
+protected:
+    // The hull's footing of somebody with feet at `feet_m`; below `hidden_px`, the picture of the
+    // first camera is hidden.
+    std::optional<Footing> look(double feet_m, double hidden_px = 1e9) {
+        std::mt19937_64 random(7);
+        test::Bodies bodies;
+        bodies.parts = test::make_person(random, Eigen::Vector3d(0.0, 0.0, feet_m));
+        const auto rig = test::make_ring_rig({.num_cameras = 6,
+                                              .radius_m = 3.0,
+                                              .heights_m = {1.3, 1.6},
+                                              .target_site = {0.0, 0.0, 1.9},
+                                              .size_px = 1000,
+                                              .focal_px = 900.0});
+        views_.clear();
+        std::vector<hull::SilhouetteView> silhouettes = test::views_of(bodies, rig, {}, random);
+        for (auto& contour : silhouettes[0].contours)
+            for (Eigen::Vector2d& p : contour) p.y() = std::min(p.y(), hidden_px);
+        for (std::size_t i = 0; i < silhouettes.size(); ++i)
+            views_.push_back({rig[i].name, silhouettes[i]});
+        hull::HullScratch scratch;
+        return find_footing(hull::compute_visual_hull(silhouettes, {}, scratch).mesh);
+    }
+
+    std::vector<views::NamedView> views_;
+};
+
+TEST_F(LowerEnds, AreSeenOfPeopleWhoHangHigh) {
+    for (const double feet_m : {0.6, 0.9, 1.2}) {
+        const auto footing = look(feet_m);
+        ASSERT_TRUE(footing) << feet_m;
+        EXPECT_NEAR(footing->feet_site.z(), feet_m, 0.15);
+        EXPECT_FALSE(sees_floor(views_, footing->feet_site, true)) << "the test cannot fail";
+        EXPECT_TRUE(shows_lower_end(views_, *footing)) << feet_m;
+    }
+}
+
+TEST_F(LowerEnds, AreNotSeenNearTheFloorNorBelowIt) {
+    for (const double feet_m : {-1.2, -0.7, -0.3, 0.0, 0.3}) {
+        const auto footing = look(feet_m);
+        ASSERT_TRUE(footing) << feet_m;
+        EXPECT_FALSE(shows_lower_end(views_, *footing)) << feet_m;
+    }
+}
+
+TEST_F(LowerEnds, AreNotThoseThatADeskHidesFromOneCamera) {
+    const auto footing = look(0.1, 620.0);
+    ASSERT_TRUE(footing);
+    ASSERT_GT(footing->feet_site.z(), 0.5) << "the test cannot fail";
+    EXPECT_FALSE(shows_lower_end(views_, *footing));
+}
+
+TEST_F(LowerEnds, AreNotThoseThatBordersCut) {
+    const auto footing = look(0.6);
+    ASSERT_TRUE(footing);
+    ASSERT_TRUE(shows_lower_end(views_, *footing));
+    // pictures that end at the feet
+    for (auto& view : views_) {
+        double lowest_px = 0.0;
+        for (const auto& contour : view.view.contours)
+            for (const Eigen::Vector2d& p : contour) lowest_px = std::max(lowest_px, p.y());
+        view.view.intrinsics.height = static_cast<int>(lowest_px) + 1;
+    }
+    EXPECT_FALSE(shows_lower_end(views_, *footing));
+}
+
+TEST(FloorCheck, SaysWhatWasMeasured) {
+    const std::string unknown = explain_floor(-0.74, "door", 1.4);
+    EXPECT_THAT(unknown, HasSubstr("a measured height or distance that was given to the import"));
+    const std::string nothing = explain_floor(-0.74, "door", 1.4, Measured{});
+    EXPECT_THAT(nothing, testing::Not(HasSubstr("measured height")));
+    EXPECT_THAT(nothing, HasSubstr("as that of a board on a table does"));
 }
 
 TEST(FloorCheck, SaysCauseAndCure) {

@@ -24,6 +24,7 @@ struct ForeignCamera {
     double spread = 0.0;          // of their places, as a share of the rig's size
     bool is_for_markers = false;  // by its model; such a camera may still have pictures
     std::string original = {};    // name in the file if `name` is another one, else empty
+    int view_rotation_deg = 0;    // 90 or 270: QTM turns the pictures that it exports so
     std::string model = {};       // as its maker calls it, for example "Oqus 210c"; or empty
 
     /// The name that the user knows.

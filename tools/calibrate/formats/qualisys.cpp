@@ -132,6 +132,8 @@ Expected<ForeignCamera> qualisys_camera(const pugi::xml_node& node,
     ForeignCamera camera;
     camera.name = node.attribute("serial").value();
     camera.model = node.attribute("model").value();
+    const double turn_deg = attribute_number(node, "viewrotation").value_or(0.0);
+    camera.view_rotation_deg = turn_deg == 90.0 ? 90 : turn_deg == 270.0 ? 270 : 0;
     camera.is_for_markers = is_marker_model(camera.model);
     if (auto read = read_intrinsic(node, where, camera, notes); !read)
         return tl::unexpected(read.error());

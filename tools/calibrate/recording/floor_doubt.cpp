@@ -6,6 +6,9 @@
 #include "site_node/views/named_view.hpp"
 #include "tools/calibrate/recording/mask_checks.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <optional>
@@ -72,7 +75,10 @@ public:
         const hull::VisualHull hull =
             hull::compute_visual_hull(silhouettes, options, hull_scratch_);
         const auto footing = rig_check::find_footing(hull.mesh);
-        if (footing) check.add(*footing, rig_check::sees_floor(views, footing->feet_site, true));
+        if (!footing) return;
+        check.add(*footing,
+                  rig_check::sees_floor(views, footing->feet_site, true) ||
+                      rig_check::shows_lower_end(views, *footing));
     }
 
     const geometry::CalibratedCamera& first() const { return cameras_.front(); }
@@ -86,11 +92,22 @@ private:
     hull::HullScratch hull_scratch_;
 };
 
+rig_check::Measured measured_of(const Said& said) {
+    std::vector<std::string> texts;
+    if (said.distance)
+        texts.push_back(fmt::format(
+            "{} to {} {:.4g} m", said.distance->from, said.distance->to, said.distance->metres));
+    for (const auto& [camera, metres] : said.heights)
+        texts.push_back(fmt::format("{} {:.4g} m high", camera, metres));
+    return {fmt::format("{}", fmt::join(texts, "; ")), !said.heights.empty()};
+}
+
 }  // namespace
 
 std::string doubt_of_floor(const Material& material,
                            const std::vector<geometry::CalibratedCamera>& cameras,
-                           bool inverted) {
+                           bool inverted,
+                           const Said& said) {
     MaskHulls hulls(material, cameras, inverted);
     const std::vector<std::size_t> instants = hulls.instants();
     if (instants.size() < rig_check::FloorCheck::kLeastInstants) return {};
@@ -98,8 +115,12 @@ std::string doubt_of_floor(const Material& material,
     for (const std::size_t number : instants) hulls.look(number, check);
     const auto feet_m = check.feet_off_floor_m();
     if (!feet_m) return {};
-    return "floor: " +
-           rig_check::explain_floor(*feet_m, hulls.first().name, hulls.first().centre_site().z());
+    const auto given = std::ranges::find_if(cameras, [&](const auto& camera) {
+        return !said.heights.empty() && camera.name == said.heights.front().camera;
+    });
+    const geometry::CalibratedCamera& camera = given == cameras.end() ? hulls.first() : *given;
+    return "floor: " + rig_check::explain_floor(
+                           *feet_m, camera.name, camera.centre_site().z(), measured_of(said));
 }
 
 }  // namespace atrium::calibrate
