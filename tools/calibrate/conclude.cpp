@@ -65,8 +65,12 @@ Expected<void> Concluder::find_scale() {
                         said_.distance->metres,
                         distance * *factor));
         const auto& [from, to, metres] = *said_.distance;
-        if (auto doubt = doubt_measured(distance * *factor, from, to, metres); !doubt.empty())
+        if (auto doubt = doubt_measured(distance * *factor, from, to, metres); !doubt.empty()) {
             problem(std::move(doubt));
+        } else if (auto small = doubt_small_measured(distance * *factor, from, to);
+                   !small.empty()) {
+            check(std::move(small));
+        }
         return {};
     }
     if (!foreign_.has_scale && said_.units.empty()) {

@@ -173,6 +173,32 @@ TEST(Judge, DoubtsAMeasuredDistanceThatMakesNoRoom) {
     EXPECT_THAT(problems_of(0.1 * apart_m), testing::HasSubstr("if the room is not that small"));
 }
 
+// 0.8 to 1.5 m is a usual distance for a face, but not for a person.
+TEST(Judge, DoubtsAMeasuredDistanceThatMakesPeopleSmall) {
+    EXPECT_THAT(doubt_small_measured(1.6, "cam1", "cam2"), testing::IsEmpty());
+    EXPECT_THAT(doubt_small_measured(1.3, "cam1", "cam2"),
+                testing::AllOf(testing::HasSubstr("lengths: 1.3 m from the cameras"),
+                               testing::HasSubstr("is small for a person"),
+                               testing::HasSubstr("--distance cam1 cam2 METRES")));
+    atrium::test::Random random(12);
+    const auto truth = test::random_room(random, 5);
+    Said said;
+    const double stand_m = measure_convergence(truth).median_distance;
+    const double apart_m = (truth[0].centre_site() - truth[1].centre_site()).norm();
+    for (const auto& [metres, is_small] : {std::pair(1.2, true), {3.0, false}}) {
+        said.distance = {truth[0].name, truth[1].name, apart_m * metres / stand_m};
+        const auto result = conclude(foreign_of(truth, {}, 1000.0), said);
+        ASSERT_TRUE(result) << result.error().message;
+        EXPECT_THAT(result->problems, testing::IsEmpty());
+        EXPECT_EQ(std::ranges::any_of(result->checks,
+                                      [](const std::string& check) {
+                                          return check.find("small for a person") !=
+                                                 std::string::npos;
+                                      }),
+                  is_small);
+    }
+}
+
 // The room is 1.6 to 5 m around its middle: a factor of 10 is unusual, and the right unit is named.
 TEST(Judge, NamesTheUnitThatWouldMakeARoom) {
     for (std::uint64_t seed = 0; seed < kRigs; ++seed) {

@@ -53,6 +53,7 @@ TEST_F(ImportedRoom, WithAPersonInOneCameraIsACheck) {
         Contains(AllOf(HasSubstr(kDoubt),
                        HasSubstr("'cam2' at (30, 24) of " + take("empty/cam2.png").string()),
                        Not(HasSubstr("'cam1'")),
+                       HasSubstr("If these files show nobody there, ignore this; else film"),
                        HasSubstr("--segmentation.background_from people"))));
 }
 

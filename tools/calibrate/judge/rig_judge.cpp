@@ -200,6 +200,20 @@ std::string doubt_small_room(double distance_m, const std::string& from, const s
         to);
 }
 
+std::string doubt_small_measured(double distance_m,
+                                 const std::string& from,
+                                 const std::string& to) {
+    if (distance_m >= kSmallForPerson_m) return {};
+    return fmt::format(
+        "lengths: {} m from the cameras to the place that they look at is small for a person; if "
+        "the room is larger, measure the distance between {} and {} again: --distance {} {} METRES",
+        length_text(distance_m),
+        from,
+        to,
+        from,
+        to);
+}
+
 std::string doubt_measured(double distance_m,
                            const std::string& from,
                            const std::string& to,

@@ -58,6 +58,9 @@ std::string length_text(double length);
 /// cameras.
 std::string doubt_small_room(double distance_m, const std::string& from, const std::string& to);
 
+/// The same doubt about a distance that the user measured from one camera to another.
+std::string doubt_small_measured(double distance_m, const std::string& from, const std::string& to);
+
 /// A problem if cameras stand `distance_m` from what they look at because the user measured
 /// `metres` from one camera to another: the likely cause, and the cure. Empty if it is usual.
 std::string doubt_measured(double distance_m,

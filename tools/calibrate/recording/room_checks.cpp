@@ -147,8 +147,9 @@ std::vector<RoomDoubt> doubt_rooms(const Material& material) {
     if (!ghosts.empty()) {
         doubts.push_back(
             {fmt::format("background: the empty room seems to show a person, or a thing that has "
-                         "gone since: {}. People get holes and ghosts there. Film the empty room "
-                         "again without anybody, or {}",
+                         "gone since: {}. People get holes and ghosts there. If these files show "
+                         "nobody there, ignore this; else film the empty room again without "
+                         "anybody, or {}",
                          fmt::join(ghosts, ", "),
                          kLearnFromPeople),
              is_most(ghosts)});
