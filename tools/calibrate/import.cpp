@@ -4,10 +4,10 @@
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
-#include "tools/calibrate/recording/floor_doubt.hpp"
 #include "tools/calibrate/recording/make_recording.hpp"
 #include "tools/calibrate/recording/room_checks.hpp"
 #include "tools/calibrate/recording/words.hpp"
+#include "tools/calibrate/said_floor.hpp"
 
 #include <fmt/format.h>
 
@@ -342,7 +342,7 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     append(report.problems, conclusion->problems);
     for (const RoomDoubt& doubt : doubt_rooms(*material))
         (doubt.is_in_most_cameras ? report.problems : report.checks).push_back(doubt.text);
-    if (auto doubt = doubt_of_floor(*material, conclusion->rig.cameras, options.invert_masks, said);
+    if (auto doubt = doubt_floor(*material, conclusion->rig.cameras, options.invert_masks, said);
         !doubt.empty())
         report.checks.push_back(std::move(doubt));
     check_lenses(conclusion->rig, report.checks);

@@ -34,7 +34,7 @@ protected:
     std::string doubt(double feet_m,
                       std::size_t num_masks,
                       bool inverted = false,
-                      const Said& said = {}) {
+                      const rig_check::Measured& measured = {}) {
         Material material;
         for (const auto& camera : rig_) {
             const auto& k = camera.intrinsics;
@@ -52,7 +52,8 @@ protected:
             Shots& shots = material.masks[camera.name];
             for (std::size_t i = 0; i < num_masks; ++i) shots.pictures[100 + i] = file;
         }
-        return doubt_of_floor(material, rig_, inverted, said);
+        return doubt_of_floor(
+            material, rig_, inverted, measured, measured.has_heights ? "cam1" : "");
     }
 
     test::Folder folder_;
@@ -69,15 +70,13 @@ TEST_F(FloorDoubt, NamesPeopleInTheFloorAndAboveIt) {
 }
 
 TEST_F(FloorDoubt, NamesTheNumbersThatWereMeasured) {
-    Said said;
-    said.distance = {"cam1", "cam3", 6.137};
-    const std::string scaled = doubt(-0.74, 12, false, said);
+    const std::string scaled = doubt(-0.74, 12, false, {"cam1 to cam3 6.137 m", false});
     EXPECT_THAT(scaled,
                 HasSubstr("a number of --distance is wrong (you say: cam1 to cam3 6.137 m"));
     EXPECT_THAT(scaled, HasSubstr("--camera-height cam0 METRES"));
     EXPECT_THAT(scaled, Not(HasSubstr("board")));
-    said.heights = {{"cam1", 2.083}};
-    const std::string measured = doubt(0.5, 12, false, said);
+    const std::string measured =
+        doubt(0.5, 12, false, {"cam1 to cam3 6.137 m; cam1 2.083 m high", true});
     EXPECT_THAT(measured,
                 HasSubstr("a number of --distance or --camera-height is wrong (you say: cam1 to "
                           "cam3 6.137 m; cam1 2.083 m high)"));
@@ -96,7 +95,7 @@ TEST_F(FloorDoubt, NamesHowFarARigIsOffTheFloor) {
 TEST_F(FloorDoubt, IsSilentOnTheFloorAndAboutFewOrNoMasks) {
     EXPECT_THAT(doubt(0.0, 12), IsEmpty());
     EXPECT_THAT(doubt(-0.74, 9), IsEmpty());
-    EXPECT_THAT(doubt_of_floor({}, rig_, false, {}), IsEmpty());
+    EXPECT_THAT(doubt_of_floor({}, rig_, false), IsEmpty());
 }
 
 TEST_F(FloorDoubt, IsSilentAboutMasksThatCannotBeRead) {
@@ -105,7 +104,7 @@ TEST_F(FloorDoubt, IsSilentAboutMasksThatCannotBeRead) {
     for (const auto& camera : rig_) {
         for (std::size_t i = 0; i < 12; ++i) material.masks[camera.name].pictures[i] = file;
     }
-    EXPECT_THAT(doubt_of_floor(material, rig_, false, {}), IsEmpty());
+    EXPECT_THAT(doubt_of_floor(material, rig_, false), IsEmpty());
 }
 
 }  // namespace

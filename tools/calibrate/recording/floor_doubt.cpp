@@ -1,13 +1,9 @@
 #include "tools/calibrate/recording/floor_doubt.hpp"
 
 #include "site_node/hull/visual_hull.hpp"
-#include "site_node/rig_check/floor_check.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/views/named_view.hpp"
 #include "tools/calibrate/recording/mask_checks.hpp"
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -92,22 +88,13 @@ private:
     hull::HullScratch hull_scratch_;
 };
 
-rig_check::Measured measured_of(const Said& said) {
-    std::vector<std::string> texts;
-    if (said.distance)
-        texts.push_back(fmt::format(
-            "{} to {} {:.4g} m", said.distance->from, said.distance->to, said.distance->metres));
-    for (const auto& [camera, metres] : said.heights)
-        texts.push_back(fmt::format("{} {:.4g} m high", camera, metres));
-    return {fmt::format("{}", fmt::join(texts, "; ")), !said.heights.empty()};
-}
-
 }  // namespace
 
 std::string doubt_of_floor(const Material& material,
                            const std::vector<geometry::CalibratedCamera>& cameras,
                            bool inverted,
-                           const Said& said) {
+                           const rig_check::Measured& measured,
+                           const std::string& measured_camera) {
     MaskHulls hulls(material, cameras, inverted);
     const std::vector<std::size_t> instants = hulls.instants();
     if (instants.size() < rig_check::FloorCheck::kLeastInstants) return {};
@@ -115,12 +102,11 @@ std::string doubt_of_floor(const Material& material,
     for (const std::size_t number : instants) hulls.look(number, check);
     const auto feet_m = check.feet_off_floor_m();
     if (!feet_m) return {};
-    const auto given = std::ranges::find_if(cameras, [&](const auto& camera) {
-        return !said.heights.empty() && camera.name == said.heights.front().camera;
-    });
+    const auto given =
+        std::ranges::find(cameras, measured_camera, &geometry::CalibratedCamera::name);
     const geometry::CalibratedCamera& camera = given == cameras.end() ? hulls.first() : *given;
-    return "floor: " + rig_check::explain_floor(
-                           *feet_m, camera.name, camera.centre_site().z(), measured_of(said));
+    return "floor: " +
+           rig_check::explain_floor(*feet_m, camera.name, camera.centre_site().z(), measured);
 }
 
 }  // namespace atrium::calibrate
