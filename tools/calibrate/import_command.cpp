@@ -1,12 +1,11 @@
 #include "core/app/process.hpp"
+#include "tools/calibrate/frame_options.hpp"
 #include "tools/calibrate/import.hpp"
-#include "tools/calibrate/judge/rig_judge.hpp"
 #include "tools/calibrate/subcommands.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -14,62 +13,6 @@
 
 namespace atrium::calibrate {
 namespace {
-
-std::optional<double> parse_number(const std::string& text, double low, double high) {
-    double value = 0.0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool is_good =
-        failure == std::errc{} && end == text.data() + text.size() && value >= low && value <= high;
-    return is_good ? std::optional(value) : std::nullopt;
-}
-
-// "3,18" is 3.18.
-std::string hint_of_comma(const std::string& text) {
-    const std::string word = decimal_comma(text);
-    return word.empty() ? std::string() : "; write a decimal point: " + with_points(word);
-}
-
-// "237" is a height in centimetres rather than in metres.
-std::string hint_of_centimetres(const std::string& text) {
-    const auto height_cm = parse_number(text, 0.0, 1000.0);
-    return height_cm ? fmt::format("; if you gave centimetres, write {:.4g}", *height_cm / 100.0)
-                     : std::string();
-}
-
-void add_distance(CLI::App& command, Said& said) {
-    command
-        .add_option_function<std::vector<std::string>>(
-            "--distance",
-            [&said](const std::vector<std::string>& words) {
-                const auto metres = parse_number(words[2], 0.01, 1000.0);
-                if (!metres)
-                    throw CLI::ValidationError("--distance",
-                                               "must be two cameras and 0.01 to 1000 metres, got " +
-                                                   words[2] + hint_of_comma(words[2]));
-                said.distance = Said::Distance{words[0], words[1], *metres};
-            },
-            "measured distance of two cameras in metres; gives the scale")
-        ->expected(3)
-        ->type_name("CAMERA CAMERA METRES");
-    command
-        .add_option_function<std::vector<std::pair<std::string, std::string>>>(
-            "--camera-height",
-            [&said](const std::vector<std::pair<std::string, std::string>>& pairs) {
-                for (const auto& [camera, text] : pairs) {
-                    const auto metres = parse_number(text, -10.0, 100.0);
-                    if (!metres)
-                        throw CLI::ValidationError("--camera-height",
-                                                   "must be a camera and -10 to 100 metres, got " +
-                                                       text + hint_of_centimetres(text) +
-                                                       hint_of_comma(text));
-                    said.heights.push_back({camera, *metres});
-                }
-            },
-            "measured height of a camera above the floor in metres; gives the floor. Given for "
-            "three or more cameras that stand on no line, it also gives up")
-        ->allow_extra_args(false)
-        ->type_name("CAMERA METRES");
-}
 
 void add_frame_options(CLI::App& command, Said& said) {
     command.add_option("--units", said.units, "unit of the file's lengths; default: found out")
@@ -94,22 +37,8 @@ void add_frame_options(CLI::App& command, Said& said) {
             "axes of a camera: it looks along +Z with +Y down (opencv), or along -Z with +Y up "
             "(opengl); default: found out")
         ->check(CLI::IsMember({"opencv", "opengl"}));
-    command
-        .add_option("--up",
-                    said.up,
-                    "axis of the file that points up, or a direction in the file's axes such as "
-                    "0.05,-0.99,0.1; default: found out")
-        ->type_name("+X|-X|+Y|-Y|+Z|-Z|X,Y,Z")
-        ->check(CLI::Validator(
-            [](std::string& word) {
-                return up_vector(word).isZero()
-                           ? "must be +X, -X, +Y, -Y, +Z or -Z, or a direction in the "
-                             "file's axes such as 0.05,-0.99,0.1, got " +
-                                 word
-                           : std::string();
-            },
-            ""));
-    add_distance(command, said);
+    add_up_option(command, said);
+    add_distance_options(command, said);
 }
 
 void add_picture_options(CLI::App& command, ImportOptions& options) {
@@ -117,16 +46,7 @@ void add_picture_options(CLI::App& command, ImportOptions& options) {
     command
         .add_option_function<std::string>(
             "--size",
-            [&said](const std::string& text) {
-                const std::size_t x = text.find('x');
-                const auto width = parse_number(text.substr(0, x), 16, 8192);
-                const auto height =
-                    parse_number(x == std::string::npos ? "" : text.substr(x + 1), 16, 8192);
-                if (!width || !height)
-                    throw CLI::ValidationError("--size",
-                                               "must be WIDTHxHEIGHT, 16 to 8192 px, got " + text);
-                said.size = {static_cast<int>(*width), static_cast<int>(*height)};
-            },
+            [&said](const std::string& text) { said.size = parse_size(text); },
             "size of the pictures in pixels, if the file says none or they were scaled")
         ->type_name("WIDTHxHEIGHT");
     command

@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     calibrate::Action action;
     calibrate::add_import(app, action);
     calibrate::add_export(app, action);
+    calibrate::add_wand(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
