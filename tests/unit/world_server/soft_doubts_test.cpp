@@ -39,7 +39,7 @@ TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAMovingOne) {
         "[[soft]]\nname = \"mat\"\nshape = \"box\"\nsize_m = [1.8, 1.2, 0.2]\nspacing_m = 0.1\n"
         "mass_kg = 17\nposition_m = [0, 0, 0.105]\n";
     const auto anvil_at = [&](const char* z) {
-        return kFloor +
+        return std::string(kFloor) +
                "[[object]]\nname = \"anvil\"\nshape = \"box\"\nsize_m = [0.4, 0.3, 0.1]\n"
                "mass_kg = 60\nposition_m = [0, 0, " +
                z + "]\n" + mat;

@@ -145,8 +145,7 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
                                                      *people);
         if (!meets) people = nullptr;
     }
-    SoftSkin skin{.samples = samples_, .loose = loose_};
-    skin.is_calm = is_calm() && motors_.empty();
+    SoftSkin skin{.samples = samples_, .loose = loose_, .is_calm = is_calm() && motors_.empty()};
     if (volume_) {
         skin.outward = volume_->outward();
         skin.depth_m = volume_->inner_radius_m();
