@@ -32,7 +32,7 @@ void doubt_soft_start(const WorldDescription& world,
         // wholly inside, it touches no node
         const double inside_m =
             rigid.shape == physics::ObjectShape::kPlane ? 0.0 : physics::depth_m(rigid, surface);
-        if (inside_m > std::max(depth_m, kDeepSoft_m)) {
+        if (depth_m <= kDeepSoft_m && inside_m > kDeepSoft_m) {
             lines.push_back(fmt::format(
                 "soft_looks_wrong name={} reason=\"{} starts {:.2f} m inside it, and may stay "
                 "there: move one of them with position_m\"",
