@@ -194,6 +194,7 @@ TEST_F(SoftBoxOnCarriers, BoardThatOverhangs) {
 TEST_F(SoftRest, HeavyBoxesOnAMat) {
     for (const double stiffness : {0.2, 1.0}) {
         for (const double mass_kg : {15.0, 35.0, 60.0}) {
+            if (test::kSanitized && mass_kg != 35.0) continue;  // the same code, ten times as slow
             SCOPED_TRACE(mass_kg);
             SCOPED_TRACE(stiffness);
             stage.world.remove(kSoft);
@@ -227,6 +228,7 @@ TEST_F(SoftRest, HeavyBoxesThatFallOnAMat) {
                              Fall{60, 2.0, 0.5, 0.05},
                              Fall{20, 1.2, 0.5, 0.07},
                              Fall{5, 1.2, 0.5, 0.1}}) {
+        if (test::kSanitized && fall.mass_kg != 20.0) continue;
         SCOPED_TRACE(fall.mass_kg);
         SCOPED_TRACE(fall.spacing_m);
         stage.world.remove(kSoft);
