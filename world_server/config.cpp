@@ -111,12 +111,12 @@ Expected<void> check(const WorldServerConfig& config) {
         }
     }
     for (const WorldSoftObject& soft : config.soft) {
-        if (!box.contains(soft.object.world_from_object.translation)) {
-            return wrong(
-                fmt::format("{}soft object '{}': must start inside the world's bounds, {}",
-                            before(soft.where),
-                            soft.name,
-                            place_and_bounds(soft.object.world_from_object.translation, box)));
+        const Eigen::Vector3d start = physics::start_place(soft.object);
+        if (!box.contains(start)) {
+            return wrong(fmt::format("{}soft object '{}': must start inside the world's bounds, {}",
+                                     before(soft.where),
+                                     soft.name,
+                                     place_and_bounds(start, box)));
         }
     }
     if (config.placements.size() > static_cast<std::size_t>(config.max_sites)) {

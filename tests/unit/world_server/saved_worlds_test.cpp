@@ -235,6 +235,14 @@ TEST_F(SavedWorldFiles, RefuseNodesOfAnotherShape) {
     ASSERT_FALSE(config);
     EXPECT_THAT(config.error().message, HasSubstr("world.toml:7: soft[0].nodes_m"));
     EXPECT_THAT(config.error().message, HasSubstr("numbers"));
+    std::ofstream(folder_ / "world.toml")
+        << "[[soft]]\nname = \"rope\"\nshape = \"rope\"\nlength_m = 0.2\ndiameter_m = 0.02\n"
+           "spacing_m = 0.1\nmass_kg = 0.1\nposition_m = [0, 0, 1]\n"
+           "nodes_m = [500, 0, 1, 500.1, 0, 1, 500.2, 0, 1]\n";
+    const auto outside = test_support::load_world(folder_ / "world.toml");
+    ASSERT_FALSE(outside);
+    EXPECT_THAT(outside.error().message,
+                HasSubstr("soft object 'rope': must start inside the world's bounds"));
 }
 
 TEST_F(SavedWorldFiles, RefuseNamesLimitsAndDamage) {

@@ -116,6 +116,13 @@ double volume_m3(const SoftObject& object) {
     return s.prod();
 }
 
+Eigen::Vector3d start_place(const SoftObject& object) {
+    if (object.start_nodes.empty()) return object.world_from_object.translation;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3f& node : object.start_nodes) sum += node.cast<double>();
+    return sum / static_cast<double>(object.start_nodes.size());
+}
+
 std::optional<ObjectProblem> find_problem(const SoftObject& object) {
     const geometry::RigidTransform& pose = object.world_from_object;
     if (!object.size_m.allFinite()) return ObjectProblem{"size_m", "must be finite"};

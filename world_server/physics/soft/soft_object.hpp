@@ -51,6 +51,9 @@ struct SoftObject {
     std::vector<Eigen::Vector3f> start_nodes;
 };
 
+/// Returns where it starts: the middle of its start nodes, or the place of its start pose [m].
+Eigen::Vector3d start_place(const SoftObject& object);
+
 /// Returns the filled volume at rest; for cloth and rope with their thickness.
 double volume_m3(const SoftObject& object);
 
