@@ -1,3 +1,4 @@
+#include "core/config/rig.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
 #include "tools/calibrate/frame_options.hpp"
 #include "tools/calibrate/subcommands.hpp"
@@ -9,9 +10,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <thread>
 
 namespace atrium::calibrate {

@@ -13,7 +13,7 @@ namespace atrium::world_server {
 /// `world_table` starts the table [world]; it ends with a newline.
 std::string to_toml(const WorldDescription& description,
                     const std::vector<WorldObject>& objects,
-                    const std::set<std::uint32_t>& soft,
+                    const std::vector<WorldSoftObject>& soft,
                     const std::string& world_table);
 
 }  // namespace atrium::world_server
