@@ -1,5 +1,6 @@
 #include "world_server/physics/soft/soft_scenery.hpp"
 
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <LinearMath/btAabbUtil2.h>
 #include <btBulletCollisionCommon.h>
 
