@@ -1,5 +1,5 @@
 #include "core/config/rig.hpp"
-#include "tools/calibrate/formats/rig_file.hpp"
+#include "tools/calibrate/finish_calibration.hpp"
 #include "tools/calibrate/frame_options.hpp"
 #include "tools/calibrate/subcommands.hpp"
 #include "tools/calibrate/wand/judge_wand.hpp"
@@ -29,6 +29,9 @@ struct WandCommand {
     std::optional<std::array<int, 2>> size;
     double focal_px = 0.0;
     bool has_third = false;
+    fs::path frame_of;
+    fs::path report;
+    std::optional<double> rate_hz;
     bool force = false;
     int threads = 0;  // 0: one per processor
     fs::path output;
@@ -91,26 +94,6 @@ Expected<std::vector<NominalCamera>> nominal_cameras(const WandCommand& options,
     return cameras;
 }
 
-// As cameras of another program that are known to be in metres, but in no frame of a room.
-ForeignRig as_foreign(const WandSolution& solution) {
-    ForeignRig rig;
-    const bool has_scale = solution.bundle.wand.size() > 1;
-    rig.format = has_scale ? "the wand" : "a wand with one light";
-    rig.is_sure_of_poses = true;
-    rig.units = "m";
-    rig.has_scale = has_scale;
-    rig.has_frame = false;
-    for (const BundleCamera& camera : solution.bundle.cameras) {
-        ForeignCamera foreign;
-        foreign.name = camera.name;
-        foreign.lens = camera.intrinsics();
-        foreign.has_lens = true;
-        foreign.pose = foreign_pose(camera.camera_from_world(), rig.documented);
-        rig.cameras.push_back(std::move(foreign));
-    }
-    return rig;
-}
-
 // A line that is written over on a terminal, and not at all elsewhere.
 class Progress {
 public:
@@ -127,23 +110,9 @@ private:
     bool is_terminal_ = isatty(STDERR_FILENO) != 0;
 };
 
-Expected<void> refuse_to_write(const WandCommand& options,
-                               const std::vector<std::string>& problems) {
-    return make_error(
-        ErrorKind::kInvalidData,
-        fmt::format("{} not written: solve {} above first, or give --force",
-                    options.output.string(),
-                    problems.size() == 1 ? "the problem"
-                                         : fmt::format("the {} problems", problems.size())));
-}
-
 Expected<void> run_wand(WandCommand options) {
-    std::error_code failure;
-    if (!options.force && fs::exists(options.output, failure))
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("{}: exists already; give another -o, or --force to replace "
-                                      "it",
-                                      options.output.string()));
+    const auto previous = find_previous_rig(options.output, options.frame_of, options.force);
+    if (!previous) return tl::unexpected(previous.error());
     Wand wand = default_wand();
     if (!options.wand.empty()) {
         auto loaded = load_wand(options.wand);
@@ -167,31 +136,18 @@ Expected<void> run_wand(WandCommand options) {
         return solve_wand(wand, *nominal, *points, how);
     }();
     if (!solution) return tl::unexpected(solution.error());
-    Verdict verdict = judge_wand(*solution, options.said.rate_hz);
-    const auto conclusion = conclude(as_foreign(*solution), options.said);
-    if (!conclusion) return tl::unexpected(conclusion.error());
-    const auto add = [](std::vector<std::string>& to, const std::vector<std::string>& from) {
-        to.insert(to.end(), from.begin(), from.end());
-    };
-    add(verdict.told, conclusion->told);
-    add(verdict.checks, conclusion->checks);
-    add(verdict.problems, conclusion->problems);
-    for (const std::string& line : verdict.told) fmt::print("{}\n", line);
-    for (const std::string& line : verdict.checks) fmt::print("check: {}\n", line);
-    for (const std::string& line : verdict.problems) fmt::print("problem: {}\n", line);
-    if (!verdict.problems.empty() && !options.force)
-        return refuse_to_write(options, verdict.problems);
-    std::vector<std::string> comments{
-        fmt::format("Calibrated from {} by `calibrate wand`.", options.points.string())};
-    add(comments, verdict.told);
-    for (const std::string& line : verdict.checks) comments.push_back("check: " + line);
-    for (const std::string& line : verdict.problems) comments.push_back("problem: " + line);
-    if (auto written =
-            write_text(options.output, rig_text(conclusion->rig, comments), options.force);
-        !written)
-        return written;
-    fmt::print("wrote {}\n", options.output.string());
-    return {};
+    FinishOptions finish;
+    finish.command = "calibrate wand";
+    finish.source = options.points.string();
+    finish.body = "the wand";
+    finish.output = options.output;
+    finish.report = options.report;
+    finish.force = options.force;
+    finish.is_frame_said = !options.frame_of.empty();
+    finish.said = options.said;
+    finish.said.rate_hz = options.rate_hz.value_or(*previous ? (*previous)->rig.rate_hz : 30.0);
+    return finish_calibration(
+        *solution, judge_wand(*solution, finish.said.rate_hz), *previous, finish);
 }
 
 }  // namespace
@@ -236,16 +192,34 @@ void add_wand(CLI::App& app, Action& action) {
                      "default: of --like, else the width of the picture")
         ->check(CLI::Range(10.0, 100000.0));
     command->add_flag("--k3", options->has_third, "also adjust the distortion k3: for wide lenses");
-    command->add_option("--rate", options->said.rate_hz, "instants per second")
-        ->check(CLI::Range(0.1, 1000.0))
-        ->capture_default_str();
+    command
+        ->add_option(
+            "--rate", options->rate_hz, "instants per second; default: of the rig before, else 30")
+        ->check(CLI::Range(0.1, 1000.0));
     command->add_option("--threads", options->threads, "threads; default: one per processor")
         ->check(CLI::Range(1, 256));
     add_up_option(*command, options->said);
     add_distance_options(*command, options->said);
-    command->add_option("-o,--output", options->output, "rig.toml to write")->required();
-    command->add_flag(
-        "--force", options->force, "replace what -o names, and write in spite of problems");
+    command
+        ->add_option("--frame-of",
+                     options->frame_of,
+                     "rig.toml whose origin and axes the new rig keeps, if most of its cameras "
+                     "stand where they did; default: the one that -o replaces")
+        ->type_name("RIG");
+    command
+        ->add_option("-o,--output",
+                     options->output,
+                     "rig.toml to write; one that is there already is kept under another name")
+        ->required();
+    command
+        ->add_option("--report",
+                     options->report,
+                     "page of figures and pictures, and the same as .json beside it; default: "
+                     "calibration.html beside -o")
+        ->type_name("FILE.html");
+    command->add_flag("--force",
+                      options->force,
+                      "write in spite of problems, and replace a rig that is still true");
     command->callback([options, &action] { action = [options] { return run_wand(*options); }; });
 }
 

@@ -62,6 +62,8 @@ SweptRoom sweep(const calibrate::Wand& wand, const SweepOptions& options) {
     SweptRoom room;
     for (std::size_t i = 0; i < options.num_cameras; ++i)
         room.cameras.push_back(camera_at(i, options, rng));
+    if (options.change) options.change(room.cameras);
+    if (options.sweep_seed != 0) rng.seed(options.sweep_seed);
     std::vector<double> phases;
     for (int i = 0; i < 9; ++i) phases.push_back(2.0 * std::numbers::pi * chance(rng));
     for (std::size_t c = 0; c < room.cameras.size(); ++c) {

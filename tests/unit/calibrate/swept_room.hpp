@@ -6,6 +6,7 @@
 #include "tools/calibrate/wand/solve_wand.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 /// Cameras around a space through which a wand is swept.
@@ -23,6 +24,9 @@ struct SweepOptions {
     bool has_labels = false;
     double rate_hz = 30.0;
     std::vector<double> late_instants{};  // per camera; empty: all in time
+    std::uint32_t sweep_seed = 0;         // of all but the cameras; 0: of both
+    /// What happened to the cameras before the sweep, or null.
+    std::function<void(std::vector<geometry::CalibratedCamera>&)> change{};
 };
 
 struct SweptRoom {

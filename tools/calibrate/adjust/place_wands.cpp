@@ -1,5 +1,7 @@
 #include "tools/calibrate/adjust/place_wands.hpp"
 
+#include "tools/calibrate/adjust/rays.hpp"
+
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -8,49 +10,7 @@
 namespace atrium::calibrate {
 namespace {
 
-constexpr double kSameDirection_rad = 0.02;
 constexpr double kEnough = 0.9;  // share of the sightings that ends the search for a better pair
-
-struct Ray {
-    Eigen::Vector3d start;
-    Eigen::Vector3d direction;  // unit length
-    double focal_px;
-};
-
-std::optional<Ray> ray_of(const BundleCamera& camera, const Eigen::Vector2d& px) {
-    const geometry::PinholeCamera lens = camera.intrinsics();
-    const auto undistorted = lens.undistort(px);
-    if (!undistorted) return std::nullopt;
-    const geometry::RigidTransform world_from_camera = camera.camera_from_world().inverse();
-    return Ray{world_from_camera.translation,
-               (world_from_camera.rotation * lens.ray_camera(*undistorted)).normalized(),
-               lens.fx};
-}
-
-// Twice: distances from rays count in pixels, for which the point must be known.
-std::optional<Eigen::Vector3d> nearest_to(std::span<const Ray> rays) {
-    double widest = 0.0;
-    for (const Ray& ray : rays)
-        widest = std::max(widest, ray.direction.cross(rays.front().direction).norm());
-    if (rays.size() < 2 || widest < kSameDirection_rad) return std::nullopt;
-    Eigen::Vector3d point = Eigen::Vector3d::Zero();
-    for (const bool is_first : {true, false}) {
-        Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-        Eigen::Vector3d right = Eigen::Vector3d::Zero();
-        for (const Ray& ray : rays) {
-            const double px_per_m =
-                is_first ? 1.0 : ray.focal_px / std::max(1e-3, (point - ray.start).norm());
-            const Eigen::Matrix3d across =
-                Eigen::Matrix3d::Identity() - ray.direction * ray.direction.transpose();
-            sum += px_per_m * px_per_m * across;
-            right += px_per_m * px_per_m * (across * ray.start);
-        }
-        point = sum.ldlt().solve(right);
-    }
-    for (const Ray& ray : rays)
-        if (ray.direction.dot(point - ray.start) <= 0.0) return std::nullopt;
-    return point;
-}
 
 // Sightings of one instant of two cameras, as places of the lights.
 std::optional<geometry::RigidTransform> wand_of_pair(const Bundle& bundle,
@@ -83,11 +43,14 @@ std::vector<InstantRange> ranges_of(const Bundle& bundle) {
 
 std::optional<Eigen::Vector3d> triangulate(const Bundle& bundle,
                                            std::span<const Sighting* const> sightings) {
-    std::vector<Ray> rays;
-    for (const Sighting* sighting : sightings)
-        if (const auto ray = ray_of(bundle.cameras[sighting->camera], sighting->px))
-            rays.push_back(*ray);
-    return nearest_to(rays);
+    std::vector<SeenRay> rays;
+    for (const Sighting* sighting : sightings) {
+        const BundleCamera& camera = bundle.cameras[sighting->camera];
+        const auto ray =
+            seen_ray(camera.intrinsics(), camera.camera_from_world().inverse(), sighting->px);
+        if (ray) rays.push_back(*ray);
+    }
+    return nearest_to_rays(rays);
 }
 
 std::optional<geometry::RigidTransform> fit_wand(
