@@ -1,0 +1,30 @@
+#!/usr/bin/env python3
+"""Renews the tables of docs/measurements/calibration.md from the results of wand_trials.sh.
+
+usage: wand_trials.py TRIALS TIMES PAGE
+"""
+
+import os
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+from page_table import put_table, read_rows
+
+
+def main(trials, times, page):
+    rows, comment = read_rows(trials)
+    out = ["| fault | runs | refused | named rightly |", "|---|---|---|---|"]
+    for row in rows:
+        named = "" if row["fault"] == "none" else row["named"]
+        out.append(f"| {row['fault']} | {row['runs']} | {row['refused']} | {named} |")
+    put_table(page, "wand-trials", out, comment)
+    rows, comment = read_rows(times)
+    out = ["| cameras | instants | time | held out | centres | wand's length |", "|---|---|---|---|---|---|"]
+    for row in rows:
+        out.append(f"| {row['cameras']} | {row['instants']} | {row['seconds']} s | {row['held out px']} px | {row['centres mm']} mm | "
+                   f"{row['wand length mm']} mm |")
+    put_table(page, "wand-times", out, comment)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
