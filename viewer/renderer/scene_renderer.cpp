@@ -66,7 +66,7 @@ void SceneRenderer::Impl::draw_shadow() {
     for (const bool is_solid : {false, true}) {
         for (const auto& [site, person] : people) {
             if (person.is_solid() == is_solid && person.opacity() > 0.0)
-                backdrop->add_shadow(person.shadow(), person.opacity());
+                backdrop->add_shadow(person.shadow(), person.shadow_heights(), person.opacity());
         }
     }
     objects->draw_shadows(*backdrop);
@@ -86,6 +86,7 @@ void SceneRenderer::Impl::draw_eye(const EyeView& eye,
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     if (!has_backdrop) backdrop->draw(eye, floors, objects->textures());
     backdrop->draw_shadows(view, floors);
+    objects->draw_received_shadows(view, *backdrop);
     // after everything that is visible through them
     for (auto& [site, person] : people) {
         if (!person.is_solid() && person.opacity() > 0.0) draw_faded(person, eye);

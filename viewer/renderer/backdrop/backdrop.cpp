@@ -65,7 +65,11 @@ Expected<Backdrop> Backdrop::create() {
           Source{made.floor_shadow_shader_,
                  "floor_shadow",
                  shaders::kFloorShadowVertex,
-                 shaders::kFloorShadowFragment}}) {
+                 shaders::kFloorShadowFragment},
+          Source{made.received_shadow_shader_,
+                 "received_shadow",
+                 shaders::kObjectVertex,
+                 shaders::kReceivedShadowFragment}}) {
         auto program = gl::ShaderProgram::create(source.name, source.vertex, source.fragment);
         if (!program) return tl::unexpected(program.error());
         source.program = std::move(*program);
@@ -81,7 +85,7 @@ Expected<Backdrop> Backdrop::create() {
     gl::float_attribute(0, 3, sizeof(Eigen::Vector3f), 0);
     glBindVertexArray(0);
     for (gl::Framebuffer* picture : {&made.shadow_, &made.blurred_}) {
-        auto created = gl::make_framebuffer(kShadowPx, kShadowPx, gl::PixelFormat::kR8);
+        auto created = gl::make_framebuffer(kShadowPx, kShadowPx, gl::PixelFormat::kRg8);
         if (!created) return tl::unexpected(created.error());
         *picture = std::move(*created);
     }
@@ -94,6 +98,7 @@ const gl::ShaderProgram& begin(const gl::ShaderProgram& shader) {
     shader.use();
     shader.set("light", light_world());
     shader.set("shadow_extent", Backdrop::kShadowExtentM);
+    shader.set("most_height", ShadowHeights::kMostM);
     return shader;
 }
 
@@ -101,18 +106,24 @@ const gl::ShaderProgram& begin(const gl::ShaderProgram& shader) {
 
 void Backdrop::begin_shadows() {
     shadowed_.clear();
-    painted_.assign(std::size_t{kShadowPx} * kShadowPx, 0);
+    painted_.assign(std::size_t{2} * kShadowPx * kShadowPx, 0);
 }
 
 // Fills the map on the CPU: as triangles, each run would cost a software renderer two triangles.
-void Backdrop::add_shadow(std::span<const PixelRun> runs, double darkness) {
+void Backdrop::add_shadow(std::span<const PixelRun> runs,
+                          const ShadowHeights& heights,
+                          double darkness) {
     const auto at = [](int x, int y) -> Eigen::Vector2d {
         return (Eigen::Array2d(x, y) - 0.5 * kShadowPx) * (kShadowExtentM / kShadowPx);
     };
     const auto value = static_cast<std::uint8_t>(std::lround(255.0 * darkness));
     for (const PixelRun& run : runs) {
-        std::uint8_t* row = painted_.data() + std::ptrdiff_t{run.row} * kShadowPx;
-        std::fill(row + run.begin, row + run.end, value);
+        std::uint8_t* row = painted_.data() + std::ptrdiff_t{run.row} * kShadowPx * 2;
+        for (int x = run.begin; x < run.end; ++x) {
+            std::uint8_t* pixel = row + std::ptrdiff_t{x} * 2;
+            pixel[0] = value;
+            pixel[1] = std::max(pixel[1], heights.around(x, run.row, kShadowPx));
+        }
         shadowed_.add(
             {at(run.begin, run.row).array() - kBlurM, at(run.end, run.row + 1).array() + kBlurM});
     }
@@ -120,15 +131,19 @@ void Backdrop::add_shadow(std::span<const PixelRun> runs, double darkness) {
 
 const gl::ShaderProgram& Backdrop::begin_solid_shadows() {
     gl::upload_pixels(
-        shadow_.colour, gl::PixelFormat::kR8, 0, 0, kShadowPx, kShadowPx, painted_.data());
+        shadow_.colour, gl::PixelFormat::kRg8, 0, 0, kShadowPx, kShadowPx, painted_.data());
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_MAX);  // the highest of several
     shadow_.bind();
     return begin(shadow_shader_);
 }
 
 // Blurs here because the shadow map has far fewer pixels than the floor in the view.
 void Backdrop::end_shadows() {
+    glDisable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
     blurred_.bind();
     glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
     glClear(GL_COLOR_BUFFER_BIT);
@@ -259,22 +274,32 @@ bool Backdrop::copy(const EyeView& eye,
     return true;
 }
 
-void Backdrop::draw_shadows(const View& view, std::span<const ObjectLook* const> floors) {
-    if (!are_shadows_on_ || shadowed_.empty()) return;
-    floor_shadow_shader_.use();
-    floor_shadow_shader_.set("clip_from_world",
-                             Eigen::Matrix4f(view.clip_from_world.cast<float>()));
+// Multiplies what is there, at the depth of the surfaces that are drawn once more.
+void Backdrop::begin_darkening(const gl::ShaderProgram& shader, const View& view) {
+    shader.use();
+    shader.set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
     gl::bind_texture(0, blurred_.colour);
-    floor_shadow_shader_.set("shadow", 0);
-    floor_shadow_shader_.set("shadow_extent", kShadowExtentM);
-    floor_shadow_shader_.set("shadow_strength", 0.30f);
-    floor_shadow_shader_.set("fade", kFade);
-    // offset towards the eye: rounding makes the depths of floor and shadow differ
+    shader.set("shadow", 0);
+    shader.set("shadow_extent", kShadowExtentM);
+    shader.set("shadow_strength", 0.30f);
+    // offset towards the eye: rounding makes the depths of surface and shadow differ
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(0.0f, -4.0f);
     glDepthMask(GL_FALSE);
     glEnable(GL_BLEND);
     glBlendFuncSeparate(GL_ZERO, GL_SRC_COLOR, GL_ZERO, GL_ONE);
+}
+
+void Backdrop::end_darkening() {
+    glDisable(GL_BLEND);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+void Backdrop::draw_shadows(const View& view, std::span<const ObjectLook* const> floors) {
+    if (!are_shadows_on_ || shadowed_.empty()) return;
+    begin_darkening(floor_shadow_shader_, view);
+    floor_shadow_shader_.set("fade", kFade);
     bool is_ground_hidden = false;
     const Eigen::AlignedBox2d bounds = shadowed_.bounds();
     for (const ObjectLook* floor : floors) {
@@ -283,16 +308,33 @@ void Backdrop::draw_shadows(const View& view, std::span<const ObjectLook* const>
         if (view.eye_world.z() > height_m && covers(*floor, bounds)) is_ground_hidden = true;
     }
     if (!is_ground_hidden) draw_shadow(ground_of(floors));
-    glDisable(GL_BLEND);
-    glDepthMask(GL_TRUE);
-    glDisable(GL_POLYGON_OFFSET_FILL);
+    end_darkening();
 }
 
-// Draws shadows only on floors at ground height, not on raised ones.
+bool Backdrop::begin_received_shadows(const View& view) {
+    if (!are_shadows_on_ || shadowed_.empty()) return false;
+    begin_darkening(received_shadow_shader_, view);
+    received_shadow_shader_.set("light", light_world());
+    received_shadow_shader_.set("most_height", ShadowHeights::kMostM);
+    return true;
+}
+
+void Backdrop::end_received_shadows() { end_darkening(); }
+
+// The map shows z = 0: a floor at another height lies there, along the light.
 void Backdrop::draw_shadow(const ObjectLook& look) {
-    if (std::abs(look.world_from_object.translation.z()) >= 0.05) return;
-    shadowed_.find_triangles(0.5 * look.size_m.head<2>(), look.world_from_object, triangles_);
-    if (!triangles_.empty()) draw_triangles();
+    constexpr double kSlackM = 0.05;
+    const Eigen::Vector3d light = light_world().cast<double>();
+    geometry::RigidTransform in_map = look.world_from_object;
+    const double height_m = in_map.translation.z();
+    const Eigen::Vector3d lift = light * (height_m / light.z());
+    in_map.translation -= lift;
+    shadowed_.find_triangles(0.5 * look.size_m.head<2>(), in_map, triangles_);
+    if (triangles_.empty()) return;
+    floor_shadow_shader_.set("lift", Eigen::Vector3f(lift.cast<float>()));
+    floor_shadow_shader_.set("lowest",
+                             static_cast<float>((height_m - kSlackM) / ShadowHeights::kMostM));
+    draw_triangles();
 }
 
 void Backdrop::draw_sky(const EyeView& eye) {

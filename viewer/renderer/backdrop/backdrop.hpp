@@ -4,6 +4,7 @@
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
 #include "viewer/renderer/backdrop/floor_cells.hpp"
+#include "viewer/renderer/backdrop/shadow_heights.hpp"
 #include "viewer/renderer/drawing/object_look.hpp"
 #include "viewer/renderer/drawing/screen_square.hpp"
 #include "viewer/renderer/drawing/textures.hpp"
@@ -24,7 +25,8 @@ namespace atrium::renderer {
 /// Direction towards the light, length 1, in the world.
 Eigen::Vector3f light_world();
 
-/// Draws floors with shadows, the ground around them and the sky.
+/// Draws floors with shadows, the ground around them and the sky, and keeps the shadow map: the
+/// floor seen along the light, with the height of what blocks the light. What is lower gets shadow.
 class Backdrop {
 public:
     /// Side of the square of floor around the origin that receives shadows [m].
@@ -35,8 +37,9 @@ public:
 
     /// Clears the shadow map of the floor.
     void begin_shadows();
-    /// Sets the darkness in [0, 1] of these pixels of the shadow map.
-    void add_shadow(std::span<const PixelRun> runs, double darkness);
+    /// Sets the darkness in [0, 1] of these pixels of the shadow map, and how high what casts it
+    /// is.
+    void add_shadow(std::span<const PixelRun> runs, const ShadowHeights& heights, double darkness);
     /// Call after `add_shadow`. Returns the bound shader that draws solid shapes into the shadow
     /// map. Set "world_from_object" and "darkness"; 1 for a solid object.
     const gl::ShaderProgram& begin_solid_shadows();
@@ -67,6 +70,10 @@ public:
     void changed() { is_kept_ = false; }
     /// Draws the shadows. Call after `draw` or `copy` and all objects on the floor.
     void draw_shadows(const View& view, std::span<const ObjectLook* const> floors);
+    /// Binds the shader that draws the shadows on objects once more, with kObjectVertex. False if
+    /// there are none. Call `end_received_shadows` after them.
+    bool begin_received_shadows(const View& view);
+    void end_received_shadows();
 
 private:
     void draw_plane(const View& view,
@@ -75,16 +82,19 @@ private:
                     const Textures& textures);
     void draw_sky(const EyeView& eye);
     void draw_shadow(const ObjectLook& look);
+    void begin_darkening(const gl::ShaderProgram& shader, const View& view);
+    void end_darkening();
     void draw_triangles() const;
 
     std::array<gl::ShaderProgram, 2> floor_shaders_;  // plain, textured
     gl::ShaderProgram floor_shadow_shader_;
+    gl::ShaderProgram received_shadow_shader_;
     gl::ShaderProgram sky_shader_;
     gl::ShaderProgram shadow_shader_;
     gl::ShaderProgram object_shadow_shader_;
     gl::ShaderProgram blur_shader_;
     std::vector<std::uint8_t> painted_;  // initial content of `shadow_`
-    gl::Framebuffer shadow_;             // white where an object blocks the light
+    gl::Framebuffer shadow_;             // red where an object blocks the light; green: its height
     gl::Framebuffer blurred_;            // blurred `shadow_`
     bool are_shadows_on_ = true;
     FloorCells shadowed_{kShadowExtentM};     // cells where `blurred_` may not be black

@@ -182,6 +182,7 @@ uniform mat4 clip_from_world;
 uniform float shadow_extent;
 uniform float shadow_strength;
 uniform vec2 fade;
+uniform vec3 lift;
 out vec2 at;
 out float strength;
 void main() {
@@ -189,7 +190,7 @@ void main() {
     // far floor has the colour of the horizon and less shadow
     float far = clamp((dot(position.xy, position.xy) - fade.x) * fade.y, 0.0, 1.0);
     strength = shadow_strength * (1.0 - far);
-    gl_Position = clip_from_world * vec4(position, 1.0);
+    gl_Position = clip_from_world * vec4(position + lift, 1.0);
 }
 )";
 
@@ -197,8 +198,33 @@ const char* const kFloorShadowFragment = R"(#version 330 core
 in vec2 at;
 in float strength;
 uniform sampler2D shadow;
+uniform float lowest;  // that casts a shadow here, over most_height
 out vec4 fragment;
-void main() { fragment = vec4(1.0 - strength * texture(shadow, at).r); }
+void main() {
+    vec2 blocked = texture(shadow, at).rg;
+    fragment = vec4(1.0 - strength * blocked.r * step(lowest, blocked.g));
+}
+)";
+
+// A surface gets no shadow of itself: what casts one is higher, by more the steeper the surface is.
+const char* const kReceivedShadowFragment = R"(#version 330 core
+in vec3 p_world;
+in vec3 normal_world;
+uniform sampler2D shadow;
+uniform vec3 light;
+uniform float shadow_extent;
+uniform float shadow_strength;
+uniform float most_height;
+out vec4 fragment;
+void main() {
+    vec3 normal = normalize(gl_FrontFacing ? normal_world : -normal_world);
+    float faces_up = clamp(4.0 * normal.z - 2.6, 0.0, 1.0);
+    vec2 at = (p_world.xy - light.xy * (p_world.z / light.z)) / shadow_extent + 0.5;
+    vec2 inside = step(abs(at - 0.5), vec2(0.5));
+    vec2 blocked = texture(shadow, at).rg;
+    float higher = step(p_world.z + 0.05 + 0.6 * (1.0 - normal.z), most_height * blocked.g);
+    fragment = vec4(1.0 - shadow_strength * faces_up * inside.x * inside.y * blocked.r * higher);
+}
 )";
 
 const char* const kBackgroundVertex = R"(#version 330 core
@@ -227,18 +253,22 @@ std::string shadow_vertex(Placed placed) {
            R"( mat4 world_from_object;
 uniform vec3 light;
 uniform float shadow_extent;
+out float height;
 void main() {
     vec3 p = (world_from_object * vec4(position, 1.0)).xyz;
     vec2 on_floor = p.xy - light.xy * (p.z / light.z);
+    height = p.z;
     gl_Position = vec4(on_floor * 2.0 / shadow_extent, 0.0, 1.0);
 }
 )";
 }
 
 const char* const kShadowFragment = R"(#version 330 core
+in float height;
 uniform float darkness;
+uniform float most_height;
 out vec4 fragment;
-void main() { fragment = vec4(darkness); }
+void main() { fragment = vec4(darkness, height / most_height, 0.0, 1.0); }
 )";
 
 std::string passing_vertex(const std::string& type, const std::string& name) {
@@ -267,10 +297,11 @@ uniform float texel;
 out vec4 fragment;
 void main() {
     vec2 reach = vec2(0.9, 0.36) * texel;
-    float sum = texture(picture, at + reach).r + texture(picture, at - reach).r
-              + texture(picture, at + vec2(-reach.y, reach.x)).r
-              + texture(picture, at + vec2(reach.y, -reach.x)).r;
-    fragment = vec4(0.25 * sum);
+    vec2 a = texture(picture, at + reach).rg;
+    vec2 b = texture(picture, at - reach).rg;
+    vec2 c = texture(picture, at + vec2(-reach.y, reach.x)).rg;
+    vec2 d = texture(picture, at + vec2(reach.y, -reach.x)).rg;
+    fragment = vec4(0.25 * (a.r + b.r + c.r + d.r), max(max(a.g, b.g), max(c.g, d.g)), 0.0, 1.0);
 }
 )";
 

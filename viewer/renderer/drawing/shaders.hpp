@@ -23,14 +23,18 @@ std::string object_fragment(Surface surface);
 extern const char* const kFloorVertex;
 std::string floor_fragment(bool is_textured);
 
-/// Factor by which shadows darken the floor; drawn with multiplicative blending.
+/// Factor by which shadows darken the floor; drawn with multiplicative blending. Corners are places
+/// of the shadow map; `lift` moves them to the floor along the light.
 extern const char* const kFloorShadowVertex;
 extern const char* const kFloorShadowFragment;
+/// The same for surfaces of objects that face up; with kObjectVertex.
+extern const char* const kReceivedShadowFragment;
 
 extern const char* const kBackgroundVertex;
 extern const char* const kBackgroundFragment;
 
-/// Projects objects along the light onto the floor, into the shadow map.
+/// Projects objects along the light onto the floor, into the shadow map: red is their darkness,
+/// green their height over `most_height`.
 enum class Placed : std::uint8_t { kAllAlike, kEachInstance };  // world_from_object
 std::string shadow_vertex(Placed placed);
 extern const char* const kShadowFragment;
@@ -39,7 +43,8 @@ extern const char* const kShadowFragment;
 /// `type`, to the fragments as `name`.
 std::string passing_vertex(const std::string& type, const std::string& name);
 
-/// Blurs the part of the shadow map given by triangles in the world.
+/// Blurs the darkness of the part of the shadow map given by triangles in the world; of heights the
+/// highest remains.
 extern const char* const kBlurVertex;
 extern const char* const kBlurFragment;
 

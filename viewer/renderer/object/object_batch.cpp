@@ -71,7 +71,7 @@ void ObjectBatch::draw(const ObjectShaders& shaders, const Textures& textures) {
     forget();
 }
 
-void ObjectBatch::draw_shadows() {
+void ObjectBatch::draw_with_bound() {
     if (entries_.empty()) return;
     prepare();
     for (std::size_t first = 0; first < entries_.size();) {

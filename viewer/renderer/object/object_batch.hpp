@@ -20,8 +20,8 @@ public:
     void add(const ObjectDrawing& object, double radius_px);
     /// Draws and drops all objects, with shaders of kObjectVertex.
     void draw(const ObjectShaders& shaders, const Textures& textures);
-    /// Draws and drops all objects with the bound shader, one of shadow_vertex.
-    void draw_shadows();
+    /// Draws and drops all objects with the bound shader, one of shadow_vertex or kObjectVertex.
+    void draw_with_bound();
 
 private:
     // memory layout of the shaders

@@ -15,6 +15,8 @@ namespace atrium::renderer {
 constexpr double kShadowDetail_px_per_m = Backdrop::kShadowPx / Backdrop::kShadowExtentM / 3.0;
 // Scenery that reaches farther from its origin is a room; its roof would darken the whole floor.
 constexpr double kRoomRadiusM = 3.5;
+// Smaller things get no shadow: nobody would see it, and each of them is drawn once more for it.
+constexpr double kReceivesM = 0.3;
 
 Expected<ObjectScene> ObjectScene::create() {
     ObjectScene made;
@@ -150,7 +152,23 @@ void ObjectScene::draw_shadows(Backdrop& backdrop) {
         }
     }
     backdrop.begin_object_shadows();
-    batch_.draw_shadows();
+    batch_.draw_with_bound();
+}
+
+void ObjectScene::draw_received_shadows(const View& view, Backdrop& backdrop) {
+    if (!backdrop.begin_received_shadows(view)) return;
+    const auto add = [&](const ObjectDrawing& object) {
+        if (object.radius_m >= kReceivesM) add_to_batch(view, object);
+    };
+    for (const auto& [id, object] : objects_) {
+        const bool is_ball =
+            object.look.model == nullptr && object.look.shape == ShapeKind::kSphere;
+        if (!object.is_floor() && !is_ball) add(object);
+    }
+    for (const auto& [name, parts] : scenery_)
+        for (const ObjectDrawing& part : parts) add(part);
+    batch_.draw_with_bound();
+    backdrop.end_received_shadows();
 }
 
 }  // namespace atrium::renderer

@@ -45,6 +45,8 @@ public:
     void draw(const View& view);
     /// Draws the shadows of all but planes and rooms. Call it where Backdrop expects solid shapes.
     void draw_shadows(Backdrop& backdrop);
+    /// Draws the shadows that others throw on what faces up. Call it after `draw` and all floors.
+    void draw_received_shadows(const View& view, Backdrop& backdrop);
 
 private:
     ObjectScene() = default;

@@ -194,6 +194,15 @@ void PersonDrawing::find_shadow() {
                  Backdrop::kShadowPx,
                  shadow_scratch_.cover,
                  shadow_scratch_.runs);
+    const Eigen::RowVector4f height_from_site = world_from_site_.row(2).cast<float>();
+    shadow_scratch_.heights.clear();
+    for (std::size_t i = 0; i < model_.vertices_site.size(); ++i) {
+        const Eigen::Vector2f& px = shadow_scratch_.corners_px[i];
+        shadow_scratch_.heights.add(px.x(),
+                                    px.y(),
+                                    height_from_site * model_.vertices_site[i].homogeneous(),
+                                    Backdrop::kShadowPx);
+    }
 }
 
 }  // namespace atrium::renderer

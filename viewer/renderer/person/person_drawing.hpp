@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
+#include "viewer/renderer/backdrop/shadow_heights.hpp"
 #include "viewer/renderer/drawing/triangle_coverage.hpp"
 #include "viewer/renderer/person/camera_blend.hpp"
 #include "viewer/renderer/person/person_model.hpp"
@@ -44,8 +45,10 @@ public:
     void draw(const PersonShaders& shaders,
               const Eigen::Matrix4d& clip_from_world,
               const Eigen::Vector3d& eye_world);
-    /// Pixels of the shadow map that the person covers (`Backdrop::add_shadow`).
+    /// Pixels of the shadow map that the person covers, and how high it is above them
+    /// (`Backdrop::add_shadow`).
     std::span<const PixelRun> shadow() const { return shadow_scratch_.runs; }
+    const ShadowHeights& shadow_heights() const { return shadow_scratch_.heights; }
 
 private:
     void upload_pictures();
@@ -61,6 +64,7 @@ private:
         std::vector<Eigen::Vector2f> corners_px;
         CoverageScratch cover;
         std::vector<PixelRun> runs;
+        ShadowHeights heights;
     };
     PersonModel model_;
     Eigen::Matrix4d world_from_site_ = Eigen::Matrix4d::Identity();
