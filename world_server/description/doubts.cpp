@@ -2,6 +2,7 @@
 
 #include "core/geometry/roll_pitch_yaw.hpp"
 #include "world_server/description/amount_doubts.hpp"
+#include "world_server/description/hinge_doubts.hpp"
 #include "world_server/description/layout_doubts.hpp"
 #include "world_server/description/load_doubts.hpp"
 #include "world_server/description/scenery_doubts.hpp"
@@ -358,6 +359,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_rotations(world, lines);
     doubt_joints(world, lines);
     doubt_anchors(world, lines);
+    doubt_hinges(world, lines);
     doubt_copied_joints(world, lines);
     doubt_limits(world, lines);
     doubt_soft_models(world, lines);
