@@ -23,7 +23,21 @@ constexpr std::size_t kLeastRays = 24;
 constexpr std::size_t kMaxExchanged = 9;
 constexpr std::array<double, 6> kScales{0.5, 2.0 / 3.0, 0.75, 4.0 / 3.0, 1.5, 2.0};
 
+constexpr double kMuchDistortion_px = 4.0;
+
 using Views = std::vector<hull::SilhouetteView>;
+
+bool distorts_much(const hull::SilhouetteView& view) {
+    const geometry::PinholeCamera& lens = view.intrinsics;
+    if (!lens.has_distortion()) return false;
+    for (const double x : {0.0, lens.width - 1.0})
+        for (const double y : {0.0, lens.height - 1.0}) {
+            const auto undistorted = lens.undistort({x, y});
+            if (undistorted && (*undistorted - Eigen::Vector2d(x, y)).norm() > kMuchDistortion_px)
+                return true;
+        }
+    return false;
+}
 
 class Trial {
 public:
@@ -49,8 +63,10 @@ public:
     }
 
     std::optional<Diagnosis> find() {
-        if (views_.size() < 2 || as_is_.num_rays() < kMinRays || share_ >= kFineShare)
+        if (views_.size() < 2 || as_is_.num_rays() < kMinRays || share_ >= kNearlyAllShare)
             return std::nullopt;
+        try_undistorted();
+        if (share_ >= kFineShare) return best_;
         try_misreadings();
         try_scales();
         if (!best_) try_exchanges();
@@ -76,6 +92,20 @@ private:
     double share_of(const Views& views) const {
         const Agreement agreement = measure_agreement(views, free_options_);
         return agreement.num_rays() < kMinRays ? 0.0 : agreement.strict_share();
+    }
+
+    // Contours come from pictures whose distortion the rig has taken away. Put it back.
+    void try_undistorted() {
+        if (std::ranges::none_of(views_, distorts_much)) return;
+        Views views = views_;
+        for (auto& view : views)
+            for (auto& contour : view.contours)
+                for (Eigen::Vector2d& pixel : contour) pixel = view.intrinsics.distort(pixel);
+        offer(Cause::kUndistorted,
+              share_of(views),
+              "the pictures look undistorted already: give them as the cameras stored them, or "
+              "write distortion = [0, 0, 0, 0, 0] and the camera matrix of the undistorted "
+              "pictures in the rig");
     }
 
     void try_misreadings() {
@@ -238,6 +268,11 @@ private:
 };
 
 }  // namespace
+
+bool distort_much(std::span<const views::NamedView> views) {
+    return std::ranges::any_of(
+        views, [](const views::NamedView& view) { return distorts_much(view.view); });
+}
 
 std::optional<Diagnosis> diagnose(std::span<const views::NamedView> views,
                                   const AgreementOptions& options,

@@ -13,11 +13,12 @@
 namespace atrium::rig_check {
 
 enum class Cause : std::uint8_t {
-    kInverted,   // site_from_camera was written
-    kAxes,       // another axis convention
-    kSwapped,    // the pictures or the extrinsics of cameras are exchanged
-    kFocal,      // focal lengths or picture sizes are scaled
-    kOneCamera,  // one camera contradicts all others
+    kInverted,     // site_from_camera was written
+    kAxes,         // another axis convention
+    kSwapped,      // the pictures or the extrinsics of cameras are exchanged
+    kFocal,        // focal lengths or picture sizes are scaled
+    kUndistorted,  // the pictures were undistorted before, the rig has the original lenses
+    kOneCamera,    // one camera contradicts all others
     kUnknown,
 };
 
@@ -37,10 +38,18 @@ inline constexpr double kPoorShare = 0.8;
 /// is, and more strictly: one camera may see things that the others do not.
 inline constexpr double kFineShare = 0.95;
 
+/// Above it nothing is sought where lenses distort much (`distort_much`). In between only whether
+/// the pictures were undistorted before is: near the middle of the room that does little harm.
+inline constexpr double kNearlyAllShare = 0.985;
+
+/// True if the rig's distortion moves a corner of some picture by more than 4 px.
+bool distort_much(std::span<const views::NamedView> views);
+
 /// Finds why silhouettes of one instant do not fit together: tries what people get wrong (inverted
-/// extrinsics, OpenGL's axes, exchanged cameras, scaled intrinsics, one camera that moved), and
-/// names what explains the silhouettes so much better that chance is out of the question. nullopt
-/// if the silhouettes fit. Silhouettes of one instant may mislead: trust what several instants say.
+/// extrinsics, OpenGL's axes, exchanged cameras, scaled intrinsics, pictures without distortion,
+/// one camera that moved), and names what explains the silhouettes so much better that chance is
+/// out of the question. nullopt if the silhouettes fit. Silhouettes of one instant may mislead:
+/// trust what several instants say.
 ///
 /// Takes one measurement per hypothesis: some tenths of a second for 8 cameras, up to two seconds
 /// for

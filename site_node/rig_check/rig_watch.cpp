@@ -136,8 +136,8 @@ void RigWatch::judge_agreement(const Look& look,
                                const std::function<bool()>& go_on) {
     recent_shares_.push_back(agreement.share());
     if (recent_shares_.size() > kRecent) recent_shares_.pop_front();
-    if (agreement.share() >= kFineShare) return;
-    num_good_looks_ = 0;
+    if (agreement.share() >= (distort_much(look.views) ? kNearlyAllShare : kFineShare)) return;
+    if (agreement.share() < kFineShare) num_good_looks_ = 0;
     // a camera that sees nobody explains all, and its empty room is the likeliest cause
     const auto is_blind = [](const auto& camera) {
         return camera.second.looks_with_somebody == 0 && camera.second.looks_only_others > 0;

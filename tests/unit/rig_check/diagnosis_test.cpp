@@ -100,6 +100,47 @@ TEST(Diagnosis, FindsTheAxesOfOpenGl) {
     EXPECT_EQ(score.wrong, 0);
 }
 
+// A lens as wide as those of action cameras, that does not look at the people: near the middle of a
+// picture distortion is a change of the focal length, which silhouettes hardly tell.
+void set_wide_lens(Random& random, views::NamedView& view) {
+    geometry::PinholeCamera& lens = view.view.intrinsics;
+    const geometry::PinholeCamera narrow = lens;
+    lens.fx *= 0.5;
+    lens.fy *= 0.5;
+    lens.distortion = {-0.28, 0.07, 0.0, 0.0, 0.0};
+    const Eigen::Vector2d aside = test::random_direction(random).head<2>().normalized();
+    const geometry::RigidTransform turned{
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.25, Eigen::Vector3d(aside.x(), aside.y(), 0.0))),
+        Eigen::Vector3d::Zero()};
+    view.view.camera_from_site = turned * view.view.camera_from_site;
+    for (auto& contour : view.view.contours)
+        for (Eigen::Vector2d& pixel : contour)
+            pixel = lens.project(turned * narrow.ray_camera(pixel));
+}
+
+TEST(Diagnosis, FindsPicturesThatWereUndistortedBefore) {
+    const Score score = score_of(Cause::kUndistorted, [](Random& random, auto& views) {
+        for (auto& view : views) {
+            set_wide_lens(random, view);
+            for (auto& contour : view.view.contours)
+                for (Eigen::Vector2d& pixel : contour)
+                    if (const auto moved = view.view.intrinsics.undistort(pixel)) pixel = *moved;
+        }
+    });
+    EXPECT_GE(score.right, of_seeds(8));
+    EXPECT_EQ(score.wrong, 0);
+}
+
+TEST(Diagnosis, BlamesNoWideLens) {
+    for (std::uint64_t seed = 1; seed <= 2 * kNumSeeds; ++seed) {
+        auto views = good_scene(seed, num_views_of(seed));
+        Random random(seed);
+        for (auto& view : views) set_wide_lens(random, view);
+        const auto diagnosis = diagnose(views, {});
+        EXPECT_FALSE(diagnosis) << seed << ": " << diagnosis->text << " " << diagnosis->share;
+    }
+}
+
 TEST(Diagnosis, FindsTwoSwappedCameras) {
     int named_right = 0;
     const Score score = score_of(Cause::kSwapped, [&](Random& random, auto& views) {
