@@ -272,6 +272,7 @@ TEST(Formats, SayWhatTheyCannotRead) {
     EXPECT_THAT(
         alone.error().message,
         AllOf(HasSubstr("no rotation and translation of cam1, cam2"), HasSubstr("all files")));
+    EXPECT_THAT(alone.error().message, testing::Not(HasSubstr("--cameras")));
     const auto unknown = read_foreign({folder.write("a.txt", "hello")}, "auto");
     ASSERT_FALSE(unknown);
     EXPECT_THAT(unknown.error().message, AllOf(HasSubstr("a.txt"), HasSubstr("--format")));

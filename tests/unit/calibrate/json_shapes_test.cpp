@@ -221,6 +221,13 @@ TEST_P(JsonShapes, PosesNamedByTwoCameras) {
         EXPECT_LT((pose.translation - expected.translation).norm(), 1e-9);
         EXPECT_LT(pose.rotation.angularDistance(expected.rotation), 1e-7);
     }
+    // Multical leaves out the pose of a camera that it could not calibrate
+    tree["camera_poses"].erase(
+        fmt::format("{}_to_{}", cameras_.back().name, cameras_.front().name));
+    const auto incomplete = read_foreign({folder_.write("calib.json", tree.dump())}, "auto");
+    ASSERT_FALSE(incomplete);
+    EXPECT_THAT(incomplete.error().message,
+                HasSubstr(fmt::format("leave them out: --cameras '!{}'", cameras_.back().name)));
 }
 
 TEST_P(JsonShapes, HeightBeforeWidthAndNoDistortionAreTold) {

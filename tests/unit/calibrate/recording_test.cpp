@@ -184,6 +184,17 @@ TEST_F(ImportedRecording, SaysHowToTurnPicturesBack) {
     }
 }
 
+TEST_F(ImportedRecording, AsksForALookAtVideosThatMayBeUpsideDown) {
+    std::string text = test::qualisys_xml(cameras_);
+    const std::string unturned = "viewrotation=\"0\"";
+    text.replace(text.find(unturned), unturned.size(), "viewrotation=\"180\"");
+    const auto foreign = read_foreign({folder_.write("lab.qca.txt", text)}, "auto");
+    ASSERT_TRUE(foreign) << foreign.error().message;
+    EXPECT_THAT(
+        foreign->checks,
+        testing::ElementsAre(AllOf(HasSubstr("camera 'cam1'"), HasSubstr("-vf hflip,vflip OUT"))));
+}
+
 TEST_F(ImportedRecording, RefusesFoldersWithoutPicturesOfTheCameras) {
     fs::create_directories(options_.recording);
     EXPECT_THAT(import(options_).error().message, HasSubstr("neither videos nor pictures"));

@@ -234,6 +234,12 @@ tl::unexpected<Error> incomplete(const ForeignRig& rig, const std::string& where
         text += fmt::format(" no rotation and translation of {};",
                             fmt::join(in_natural_order(no_pose), ", "));
     text += " give all files of the calibration, the intrinsics and the extrinsics of each camera";
+    std::vector<std::string> whole, broken;
+    for (const ForeignCamera& camera : rig.cameras)
+        (camera.has_lens && camera.pose ? whole : broken).push_back("!" + camera.name);
+    if (whole.size() >= 2)
+        text += fmt::format("; if they could not be calibrated, leave them out: --cameras '{}'",
+                            fmt::join(in_natural_order(broken), ","));
     for (const std::string& problem : rig.problems) text += "; " + problem;
     return make_error(ErrorKind::kConfiguration, text);
 }

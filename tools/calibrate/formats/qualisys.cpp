@@ -180,6 +180,13 @@ Expected<void> add_camera(const pugi::xml_node& node, const std::string& where, 
     auto camera = qualisys_camera(node, where, rig.notes);
     if (!camera && !is_for_markers) return tl::unexpected(camera.error());
     if (camera) {
+        // by 90 or 270 degrees, the pictures' size tells
+        if (!is_for_markers && attribute_number(node, "viewrotation").value_or(0.0) == 180.0)
+            rig.checks.push_back(
+                fmt::format("camera '{}': QTM may have exported its video upside down, as "
+                            "viewrotation 180 says; look at it: if it is, export it with a "
+                            "rotation of 0, or turn it back: ffmpeg -i FILE -vf hflip,vflip OUT",
+                            name));
         rig.cameras.push_back(std::move(*camera));
     } else {
         rig.left_out[name] = camera.error().message + ": " + cure;
