@@ -188,6 +188,7 @@ void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
         asks_load_ = !asks_load_;
         asks_save_ = false;
     }
+    bool is_over_button = ImGui::IsItemHovered();
     ImGui::EndDisabled();
     const std::array<char, 64> before = world_name_;
     name_field("name##world", world_name_);
@@ -205,7 +206,10 @@ void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
         asks_load_ = false;
         if (!asks_save_) events.edit.save_world = world_name_.data();
     }
+    is_over_button = is_over_button || ImGui::IsItemHovered();
     ImGui::EndDisabled();
+    // a click anywhere else takes the question back
+    if (asks() && ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !is_over_button) take_back();
     show_lowest();
 }
 

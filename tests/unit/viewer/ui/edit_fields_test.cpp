@@ -304,6 +304,11 @@ TEST_F(ViewerWindow, SavingOverAWorldAsksAgainAtTheSamePlace) {
     for (const char* key : {"e", "v", "e", "n", "i", "n", "g", "Return"}) after(key);
     EXPECT_EQ(click_on("###save").edit.save_world, "") << "it asks first";
     EXPECT_EQ(click(at_[0], at_[1]).edit.save_world, "evening");
+    EXPECT_EQ(click(at_[0], at_[1]).edit.save_world, "");
+    const Size button = at_;
+    click(20, 600);  // in the scene
+    EXPECT_EQ(click(button[0], button[1]).edit.save_world, "") << "it was taken back";
+    EXPECT_EQ(click(button[0], button[1]).edit.save_world, "evening");
 }
 
 TEST_F(ViewerWindow, EscapeClosesThePanelsLastOpenedFirst) {
