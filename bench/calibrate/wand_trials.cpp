@@ -51,7 +51,8 @@ void replace_points(SweptRoom& room,
                     std::uint32_t from) {
     auto& points = room.points[camera].points;
     std::erase_if(points, [&](const LightPoint& point) { return point.instant >= from; });
-    for (const LightPoint& point : sweep(default_wand(), options).points[camera].points)
+    const SweptRoom other = sweep(default_wand(), options);
+    for (const LightPoint& point : other.points[camera].points)
         if (point.instant >= from) points.push_back(point);
 }
 

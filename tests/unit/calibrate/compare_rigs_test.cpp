@@ -140,6 +140,15 @@ TEST_P(Rooms, NameCamerasThatWereExchanged) {
     EXPECT_THAT(compare_rigs(old_, old_).exchanged, IsEmpty());
 }
 
+// Three of five stay.
+TEST_P(Rooms, NameTwoOfFiveThatWereExchanged) {
+    for (config::Rig* rig : {&old_, &new_}) rig->cameras.resize(5);
+    shake();
+    std::swap(new_.cameras[1].camera_from_site, new_.cameras[4].camera_from_site);
+    change_frame();
+    EXPECT_THAT(compare_rigs(old_, new_).exchanged, ElementsAre(testing::Pair("cam1", "cam4")));
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, Rooms, testing::Range(1U, 41U));
 
 TEST(Comparison, NamesCamerasOfOneRigOnly) {

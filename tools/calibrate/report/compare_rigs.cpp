@@ -19,6 +19,8 @@ constexpr double kStays_deg = 0.15;
 // A camera that hangs in the mount of another one.
 constexpr double kSameMount_m = 0.10;
 constexpr double kSameMount_deg = 5.0;
+// From here on a camera has moved, for the choice of the transform.
+constexpr double kMoved_m = 0.1;
 // A turn as a move, for the choice of the camera that stays: at this distance.
 constexpr double kLever_m = 3.0;
 
@@ -115,18 +117,16 @@ geometry::RigidTransform laid_on(const Both& camera) {
     return camera.old_site_from_camera * camera.new_site_from_camera.inverse();
 }
 
-// The transform that most cameras agree with.
+// The transform that most cameras agree with: a camera that moved counts alike however far it did.
 geometry::RigidTransform agreed(const std::vector<Both>& cameras) {
     geometry::RigidTransform best;
     double least = -1.0;
     for (const Both& one : cameras) {
         const geometry::RigidTransform candidate = laid_on(one);
-        std::vector<double> moves;
-        for (const Both& other : cameras)
-            if (&other != &one) moves.push_back(move_of(other, candidate));
-        const double typical = moves.empty() ? 0.0 : median_of(std::move(moves));
-        if (least >= 0.0 && typical >= least) continue;
-        least = typical;
+        double sum = 0.0;
+        for (const Both& other : cameras) sum += std::min(move_of(other, candidate), kMoved_m);
+        if (least >= 0.0 && sum >= least) continue;
+        least = sum;
         best = candidate;
     }
     return best;

@@ -35,9 +35,10 @@ struct RigComparison {
 };
 
 /// Lays the new rig on the old one so that most cameras stay where they were: of the transforms
-/// that lay one camera on itself, the one with the smallest median of the others' moves, then the
-/// mean over the cameras that stay. Both rigs in metres; a rig is never scaled. A camera that moved
-/// does not shift the others, as it would in a least-squares fit (Umeyama 1991).
+/// that lay one camera on itself, the one with the smallest sum of the others' moves, each cut off
+/// at 10 cm, then the mean over the cameras that stay. Both rigs in metres; a rig is never scaled.
+/// A camera that moved does not shift the others, as it would in a least-squares fit (Umeyama
+/// 1991).
 RigComparison compare_rigs(const config::Rig& old_rig, const config::Rig& new_rig);
 
 /// The rig in the frame of the old one. Bounds are left out, as they are the old one's.
