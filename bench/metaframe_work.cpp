@@ -15,8 +15,8 @@
 #include "core/base/executor.hpp"
 #include "core/base/fnv1a.hpp"
 #include "core/gl/offscreen_context.hpp"
-#include "site_node/camera_config.hpp"
-#include "site_node/open_source.hpp"
+#include "site_node/source/camera_config.hpp"
+#include "site_node/source/open_source.hpp"
 #include "viewer/receive/person_decoder.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "world_server/config.hpp"
@@ -127,7 +127,7 @@ void count(int num, Work&& work) {
 struct Site {
     explicit Site(const std::filesystem::path& folder)
         : config(site_config(folder)),
-          source(value(site_node::open_source(config, {}))),
+          source(value(site_node::open_source(config.capture, config.simulation, {}))),
           pipeline(value(site_node::Pipeline::create(*source, config.pipeline, {}))) {}
 
     // `num` metaframes of the loop, from kFirst on

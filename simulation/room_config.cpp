@@ -8,6 +8,19 @@
 namespace atrium::simulation {
 
 void declare(RoomConfig& room, config::OptionSet& set) {
+    set.add("simulation.shows",
+            room.shows,
+            "what the simulated room shows: a person, or a dark room in which the default wand of "
+            "`calibrate wand` is swept",
+            {"person", "wand"});
+    set.add("simulation.exposure_ms",
+            room.exposure_ms,
+            "wand: exposure, in which its lights move [ms]",
+            {0.01, 1000});
+    set.add("simulation.lost_percent",
+            room.lost_percent,
+            "wand: share of the pictures that are lost [%]",
+            {0, 90});
     set.add("simulation.look", room.look, "person in the simulated room", look_names());
     set.add("simulation.motion", room.motion, "motion of the person", motion_names());
     set.add("simulation.model",
@@ -61,6 +74,10 @@ RoomOptions room_options(const RoomConfig& config, double rate_hz) {
     room.noise_lsb = config.noise_lsb;
     room.seed = config.seed;
     return room;
+}
+
+WandRoomOptions wand_room_options(const RoomConfig& config) {
+    return {config.exposure_ms, config.lost_percent, config.noise_lsb, config.seed};
 }
 
 }  // namespace atrium::simulation

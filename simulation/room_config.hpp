@@ -2,6 +2,7 @@
 
 #include "core/config/option_set.hpp"
 #include "simulation/person.hpp"
+#include "simulation/wand_room.hpp"
 
 #include <filesystem>
 #include <string>
@@ -10,6 +11,9 @@ namespace atrium::simulation {
 
 /// Options `simulation.*` of programs with a simulated room.
 struct RoomConfig {
+    std::string shows = "person";  // or "wand": a dark room for `calibrate wand`
+    double exposure_ms = 2.0;      // of the wand
+    double lost_percent = 0.0;     // of the wand's pictures
     std::string look = "ada";
     std::string motion = "walk";
     std::filesystem::path model;
@@ -28,5 +32,9 @@ void declare(RoomConfig& config, config::OptionSet& set);
 
 /// Returns the room options for cameras of `rate_hz`. Not yet checked: see `check(RoomOptions)`.
 RoomOptions room_options(const RoomConfig& config, double rate_hz);
+
+/// Returns the options of the room that shows a wand. Not yet checked: see
+/// `check(WandRoomOptions)`.
+WandRoomOptions wand_room_options(const RoomConfig& config);
 
 }  // namespace atrium::simulation

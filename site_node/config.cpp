@@ -168,33 +168,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
         "without a value: a window, or preview.png if there is no display",
         preview::kWindow);
 
-    CaptureConfig& capture = config.capture;
-    set.add("capture.source",
-            capture.source,
-            "source of the pictures",
-            {"simulated", "recording", "cameras"});
-    set.add("capture.rig", capture.rig, "rig.toml with the cameras of the simulated or real room");
-    set.add("capture.recording", capture.recording, "folder of the recording");
-    set.add("capture.rate_hz",
-            capture.rate_hz,
-            "metaframes per second [Hz]; 0: as recorded, or as in the rig",
-            {0, 1000});
-    set.add("capture.loop", capture.loop, "restart a recording at its end");
-    set.add("every", capture.every, "recording: use each Nth instant only", {1, 1e6});
-    set.add("capture.tolerance_ms",
-            capture.tolerance_ms,
-            "largest time between a trigger and its pictures [ms]; 0: a quarter of the period",
-            {0, 1000});
-    set.add("capture.deadline_ms",
-            capture.deadline_ms,
-            "how long a metaframe may stay incomplete [ms]",
-            {1, 10000});
-    set.add(
-        "capture.min_cameras",
-        capture.min_cameras,
-        "cameras that must have delivered at the deadline to use an incomplete metaframe; 0: all",
-        {0, 64});
-    declare(capture.cameras, set);
+    declare(config.capture, set);
     set.add("list-cameras", config.list_cameras, "print the connected cameras and exit");
 
     simulation::declare(config.simulation, set);
@@ -251,17 +225,6 @@ void read_hull(config::TableReader& reader, SiteNodeConfig& config) {
     }
 }
 
-void read_places(config::TableReader& reader, SiteNodeConfig& config) {
-    config::TableReader table = reader.table("capture");
-    const auto keep_place = [&](const char* key, const std::filesystem::path& path) {
-        if (table.has(key))
-            config.capture.places[fmt::format("capture.{} {}", key, path.string())] =
-                table.where(key);
-    };
-    keep_place("rig", config.capture.rig);
-    keep_place("recording", config.capture.recording);
-}
-
 int default_threads() {
     return std::clamp(static_cast<int>(std::thread::hardware_concurrency()) - 1, 1, kMaxThreads);
 }
@@ -287,22 +250,7 @@ Expected<void> check(const SiteNodeConfig& config) {
         return wrong(fmt::format(
             "site.name: must be 1 to 63 characters of A-Z a-z 0-9 _ . -, got '{}'", config.name));
     }
-    if (config.capture.source == "simulated" && config.capture.rig.empty()) {
-        return wrong(
-            "capture.rig: must be set for a simulated room, for example "
-            "deploy/rigs/full_body.toml");
-    }
-    if (config.capture.source == "recording" && config.capture.recording.empty()) {
-        return wrong(
-            "capture.recording: must be set for capture.source = \"recording\": the folder of the "
-            "recording");
-    }
-    if (config.capture.source != "recording") {
-        if (config.capture.every > 1)
-            return wrong("--every: needs a recording; add --recording DIR");
-        if (config.capture.as_fast_as_possible)
-            return wrong("--rate 0: needs a recording; add --recording DIR");
-    }
+    if (auto checked = check(config.capture); !checked) return checked;
     if (config.capture.source == "cameras") {
         if (config.capture.rig.empty())
             return wrong("capture.rig: must be set for cameras: their calibration");

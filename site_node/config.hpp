@@ -5,32 +5,14 @@
 #include "core/config/option_set.hpp"
 #include "core/config/table_reader.hpp"
 #include "simulation/room_config.hpp"
-#include "site_node/camera_config.hpp"
 #include "site_node/pipeline.hpp"
+#include "site_node/source/capture_config.hpp"
 #include "site_node/stream/viewer_links.hpp"
 
 #include <filesystem>
-#include <map>
 #include <string>
 
 namespace atrium::site_node {
-
-struct CaptureConfig {
-    std::string source = "simulated";  // or "recording", "cameras"
-    std::filesystem::path rig;         // simulated, cameras: the rig file
-    std::filesystem::path recording;   // recording: its folder
-    double rate_hz = 0.0;              // 0: as recorded, or the rig's rate
-    bool loop = false;                 // recording: start again at its end
-    int every = 1;                     // recording: each Nth instant
-    bool as_fast_as_possible = false;  // recording: the next metaframe when the last one is done
-    double tolerance_ms = 0.0;         // between a trigger and its pictures; 0: a quarter period
-    double deadline_ms = 100.0;        // how long a metaframe may stay incomplete
-    int min_cameras = 0;  // needed at the deadline to use an incomplete metaframe; 0: all
-    CameraConfig cameras;
-    /// Place in the file of the path of rig or recording, for errors: "capture.rig PATH" ->
-    /// "site.toml:7". With the path, because the command line may override it.
-    std::map<std::string, std::string> places;
-};
 
 struct SiteNodeConfig {
     std::string name = "site";
@@ -62,9 +44,6 @@ void declare(SiteNodeConfig& config, config::OptionSet& set);
 
 /// Reads the bounds and lists of `[hull]`, which are not options. `reader` collects the errors.
 void read_hull(config::TableReader& reader, SiteNodeConfig& config);
-
-/// Remembers where the file names its rig and its recording.
-void read_places(config::TableReader& reader, SiteNodeConfig& config);
 
 /// The number of threads that `threads = 0` stands for: all cores but one, at least one.
 int default_threads();

@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
             site_node::read_hull(reader, config);
             site_node::read_segmentation(reader, config.pipeline);
             site_node::read_cameras(reader, config.capture.cameras);
-            site_node::read_places(reader, config);
+            site_node::read_places(reader, config.capture);
         });
     if (!start.go_on) return start.exit_code;
     if (config.list_cameras) {

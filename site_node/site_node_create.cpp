@@ -1,6 +1,6 @@
 #include "core/presence/join_world.hpp"
-#include "site_node/open_source.hpp"
 #include "site_node/site_node.hpp"
+#include "site_node/source/open_source.hpp"
 #include "site_node/start_check.hpp"
 
 #include <fmt/format.h>
@@ -91,7 +91,7 @@ Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNode
     if (auto found = check_places(config); !found) return tl::unexpected(found.error());
     const auto rig = load_checked_rig(config);
     if (!rig) return tl::unexpected(rig.error());
-    return open_source(config, stop);
+    return open_source(config.capture, config.simulation, stop);
 }
 
 Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token stop) {
@@ -126,7 +126,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
         stop);
     if (!member) return tl::unexpected(member.error());
 
-    auto source = open_source(config, stop);
+    auto source = open_source(config.capture, config.simulation, stop);
     if (!source) return tl::unexpected(source.error());
     app::log::info("source opened kind={} cameras={} rate_hz={}",
                    config.capture.source,

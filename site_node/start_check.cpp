@@ -1,7 +1,6 @@
 #include "site_node/start_check.hpp"
 
 #include "core/app/log.hpp"
-#include "core/base/looked_up.hpp"
 #include "core/base/write_check.hpp"
 #include "site_node/hull/input_limits.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
@@ -18,38 +17,10 @@ constexpr std::uint64_t kBackgroundBytes = 32U << 20;
 constexpr std::uint64_t kSilhouetteBytes = 64U << 20;
 constexpr std::uint64_t kPreviewBytes = 8U << 20;
 
-// "site.toml:7: capture.rig", if the path is that of the file.
-std::string place_of(const CaptureConfig& capture, const char* key, const fs::path& path) {
-    const auto found = capture.places.find(fmt::format("{} {}", key, path.string()));
-    return found == capture.places.end() ? std::string("--") + key
-                                         : fmt::format("{}: {}", found->second, key);
-}
-
-Expected<void> check_exists(const CaptureConfig& capture, const char* key, const fs::path& path) {
-    std::error_code failure;
-    if (fs::exists(path, failure)) return {};
-    const bool is_from_file = capture.places.contains(fmt::format("{} {}", key, path.string()));
-    return make_error(
-        ErrorKind::kNotFound,
-        fmt::format("{}: '{}' does not exist{}",
-                    place_of(capture, key, path),
-                    path.lexically_normal().string(),
-                    is_from_file ? "; a path in a file is relative to the file: after copying it, "
-                                   "correct the path or copy what it names"
-                                 : looked_up_from(path)));
-}
-
 }  // namespace
 
 Expected<void> check_places(const SiteNodeConfig& config) {
-    const CaptureConfig& capture = config.capture;
-    if (capture.source == "recording") {
-        // its own error is better if it is no folder
-        if (auto found = check_exists(capture, "capture.recording", capture.recording); !found)
-            return found;
-    } else if (auto found = check_exists(capture, "capture.rig", capture.rig); !found) {
-        return found;
-    }
+    if (auto found = check_places(config.capture); !found) return found;
     if (config.learn_background && !config.pipeline.background.folder.empty()) {
         if (auto fits = check_folder_writable(config.pipeline.background.folder,
                                               kBackgroundBytes,

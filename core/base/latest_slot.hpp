@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
@@ -31,6 +32,15 @@ public:
     std::optional<T> take(std::stop_token stop) {
         std::unique_lock lock(mutex_);
         if (!changed_.wait(lock, stop, [this] { return value_.has_value(); })) return std::nullopt;
+        return std::exchange(value_, std::nullopt);
+    }
+
+    /// Like `take`, but also returns nullopt at `deadline`.
+    std::optional<T> take_until(std::stop_token stop,
+                                std::chrono::steady_clock::time_point deadline) {
+        std::unique_lock lock(mutex_);
+        if (!changed_.wait_until(lock, stop, deadline, [this] { return value_.has_value(); }))
+            return std::nullopt;
         return std::exchange(value_, std::nullopt);
     }
 

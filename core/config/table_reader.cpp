@@ -198,6 +198,11 @@ void TableReader::report(const std::string& key, const std::string& problem, Err
                       kind);
 }
 
+void TableReader::pass_over_others() {
+    if (node_->table == nullptr) return;
+    for (const auto& [key, value] : node_->table->as_table()) node_->asked.insert(key);
+}
+
 void TableReader::reject(const std::string& key, const std::string& what_is_allowed) {
     report(key, what_is_allowed, ErrorKind::kConfiguration);
 }
@@ -231,9 +236,8 @@ void TableReader::read(const std::string& key, bool& value) {
 void TableReader::read(const std::string& key, std::int64_t& value, Range allowed) {
     const toml::value* found = holder(key).node_->find(last_part(key));
     if (found == nullptr) return;
-    if (!found->is_integer() || !within(static_cast<double>(found->as_integer()), allowed)) {
+    if (!found->is_integer() || !within(static_cast<double>(found->as_integer()), allowed))
         return reject(key, "must be an integer" + describe(allowed));
-    }
     value = found->as_integer();
 }
 
@@ -276,18 +280,14 @@ void TableReader::read(const std::string& key,
     if (found == nullptr) return;
     if (!found->is_string()) return reject(key, "must be a string in double quotes");
     const std::string text = found->as_string();
-    if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) {
+    if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
         return reject(key, must_be_one_of(choices, text));
-    }
     value = text;
 }
 
 void TableReader::read(const std::string& key, std::filesystem::path& value) {
+    if (!has(key)) return;
     std::string text;
-    if (!has(key)) {
-        read(key, text);  // marks it as known
-        return;
-    }
     read(key, text);
     const std::filesystem::path path = text;
     value = text.empty() || path.is_absolute() ? path : document_->folder / path;

@@ -70,6 +70,9 @@ public:
     /// If the key is present, reports it as unknown, with advice. For likely mistakes.
     void forbid(const std::string& key, const std::string& advice);
 
+    /// Makes every key of this table that was not read yet a known one: another program reads it.
+    void pass_over_others();
+
     /// Reports an error that the caller found in the value at `key`.
     void reject(const std::string& key, const std::string& what_is_allowed);
     /// Reports why the file that `key` names cannot be used: kNotFound if it is missing, else

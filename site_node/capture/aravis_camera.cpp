@@ -108,6 +108,7 @@ void AravisCamera::run(std::stop_token stop) {
         was_connected = true;
         last_problem.clear();
         pause = kFirstPause;
+        if (size_px_[0] == 0) size_px_ = {(*session)->format.width, (*session)->format.height};
         finish_first_attempt({});
         const End end = serve(**session, stop);
         lost_at = Clock::now();

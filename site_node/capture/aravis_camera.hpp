@@ -8,6 +8,7 @@
 #include "site_node/capture/frame_mailbox.hpp"
 #include "site_node/capture/trigger_clock.hpp"
 
+#include <array>
 #include <condition_variable>
 #include <functional>
 #include <thread>
@@ -58,6 +59,9 @@ public:
     /// Waits for the end of the first attempt to connect and returns its result; kUnavailable if
     /// the stop comes first.
     Expected<void> wait_for_first_attempt(std::stop_token stop);
+
+    /// Width and height of the pictures [px], once the first attempt has succeeded.
+    std::array<int, 2> size_px() const { return size_px_; }
 
     void request_stop() { thread_.request_stop(); }
 
@@ -116,6 +120,7 @@ private:
     SharedCameraState& shared_state_;
     std::shared_ptr<Wake> wake_ = std::make_shared<Wake>();
     std::uint64_t session_number_ = 0;
+    std::array<int, 2> size_px_{};  // of the first session; not changed after
 
     TriggerClock trigger_clock_;
     bool is_trigger_refused_ = false;               // the latest one

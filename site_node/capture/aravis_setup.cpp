@@ -74,9 +74,11 @@ public:
     }
 
     Expected<void> region(CameraFormat& format) {
-        const std::array<int, 4> wanted =
-            request_.settings.region_px.value_or(std::array{0, 0, request_.width, request_.height});
-        if (wanted[2] != request_.width || wanted[3] != request_.height) {
+        const bool is_any_size = request_.width == 0;
+        const std::array<int, 4> whole =
+            is_any_size ? whole_sensor() : std::array{0, 0, request_.width, request_.height};
+        const std::array<int, 4> wanted = request_.settings.region_px.value_or(whole);
+        if (!is_any_size && (wanted[2] != request_.width || wanted[3] != request_.height)) {
             return refused("region_px",
                            fmt::format("is {} x {}, but the rig needs {} x {}",
                                        wanted[2],
@@ -99,8 +101,9 @@ public:
         arv_camera_get_region(&camera_, &now[0], &now[1], &now[2], &now[3], error_.out());
         if (now != wanted) {
             return refused("region_px",
-                           fmt::format("the rig needs {} x {} pixels from ({}, {}), the camera "
+                           fmt::format("{} {} x {} pixels from ({}, {}), the camera "
                                        "gives {} x {} from ({}, {}){}{}",
+                                       is_any_size ? "the site asks for" : "the rig needs",
                                        wanted[2],
                                        wanted[3],
                                        wanted[0],
@@ -250,6 +253,19 @@ public:
     }
 
 private:
+    // Without its borders, which bound the size while there are any.
+    std::array<int, 4> whole_sensor() {
+        if (has("OffsetX") && has("OffsetY")) {
+            arv_camera_set_integer(&camera_, "OffsetX", 0, error_.out());
+            arv_camera_set_integer(&camera_, "OffsetY", 0, error_.out());
+        }
+        std::array<int, 4> region{};
+        int least = 0;
+        arv_camera_get_width_bounds(&camera_, &least, &region[2], error_.out());
+        arv_camera_get_height_bounds(&camera_, &least, &region[3], error_.out());
+        return region;
+    }
+
     std::string available(const char** (*list)(ArvCamera*, guint*, GError**)) {
         guint count = 0;
         GErrorSlot error;

@@ -15,7 +15,7 @@ struct SetupRequest {
     CameraSettings settings;
     TriggerMode trigger = TriggerMode::kSoftware;
     double rate_hz = 30.0;
-    int width = 0;  // from the rig [px]
+    int width = 0;  // from the rig [px]; 0: the region of the settings, else the whole sensor
     int height = 0;
 };
 

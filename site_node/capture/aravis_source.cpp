@@ -144,7 +144,15 @@ Expected<std::unique_ptr<AravisSource>> AravisSource::open(const config::Rig& ri
     }
     if (auto enough = cameras->wait_for_enough(stop); !enough)
         return tl::unexpected(enough.error());
-    return std::unique_ptr<AravisSource>(new AravisSource(rig, std::move(cameras)));
+    config::Rig known = rig;
+    for (std::size_t i = 0; i < known.cameras.size(); ++i) {
+        geometry::PinholeCamera& lens = known.cameras[i].intrinsics;
+        if (lens.width != 0) continue;
+        const auto size = cameras->cameras[i]->size_px();
+        lens.width = size[0];
+        lens.height = size[1];
+    }
+    return std::unique_ptr<AravisSource>(new AravisSource(known, std::move(cameras)));
 }
 
 // Takes all pending frames. Returns false after a while without any.

@@ -24,6 +24,8 @@ public:
     /// Connects to the cameras. If at least `options.min_cameras` answer, the missing ones are
     /// searched for from then on; else error kNotFound with their names. Error kConfiguration if
     /// entries and rig do not match, or a camera refuses its settings. Triggers at `rig.rate_hz`.
+    /// Cameras of the rig without a size send their whole sensors; then all must be there, and
+    /// `rig()` has the sizes.
     static Expected<std::unique_ptr<AravisSource>> open(const config::Rig& rig,
                                                         const CamerasOptions& options,
                                                         EventSink events,

@@ -41,7 +41,8 @@ public:
     /// Of these, the number that `run` has passed. Thread-safe.
     virtual std::size_t num_passed() const { return 0; }
 
-    /// Reads picture `index` of one camera. An error if it is missing or unreadable.
+    /// Reads picture `index` of one camera. An error if it is missing or unreadable. Threads may
+    /// read different cameras at the same time.
     virtual Expected<CameraFrame> read_picture(std::size_t camera, std::size_t index);
 
     /// Shows pictures of the empty room of `cameras`, which must be distinct: live cameras in

@@ -4,6 +4,7 @@
 #include "site_node/capture/mask_file.hpp"
 #include "site_node/capture/pace.hpp"
 #include "site_node/capture/picture_file.hpp"
+#include "site_node/capture/rig_of_pictures.hpp"
 
 #include <fmt/format.h>
 
@@ -168,7 +169,8 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
                                       options.folder.string(),
                                       looked_up_from(options.folder)));
     }
-    auto rig = config::load_rig(options.folder);
+    const bool has_rig = options.needs_rig || fs::exists(options.folder / "rig.toml");
+    auto rig = has_rig ? config::load_rig(options.folder) : rig_of_pictures(options.folder);
     if (!rig) return tl::unexpected(rig.error());
     std::unique_ptr<RecordingSource> source(new RecordingSource(std::move(*rig)));
     source->options_ = options;

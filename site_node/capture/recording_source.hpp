@@ -21,6 +21,8 @@ struct RecordingOptions {
     /// Does not keep a pace: the sink blocks until it wants the next instant. At most 400 a second.
     bool as_fast_as_possible = false;
     bool ignore_silhouettes = false;  // neither read nor checked
+    /// False: a folder without rig.toml is taken, too (`rig_of_pictures`).
+    bool needs_rig = true;
     /// Receives the reason for each picture that is left out: its file, number and what is wrong.
     /// For a truncated or damaged video, one reason for all.
     std::function<void(const std::string&)> report_unreadable = {};

@@ -77,10 +77,20 @@ void Preview::show(const capture::Metaframe& metaframe,
     slot_.put(std::move(shot));
 }
 
+void Preview::show(std::vector<View> views) {
+    Shot shot;
+    shot.time = Clock::now();
+    shot.num_pictures = num_pictures_;
+    shot.views = std::move(views);
+    wants_shot_ = false;
+    slot_.put(std::move(shot));
+}
+
 // Releases the camera buffers before the slow part.
 void Preview::draw_shot(std::optional<Shot>& shot) {
     for (std::size_t i = 0; i < shot->views.size(); ++i) {
         View& view = shot->views[i];
+        if (!view.caption.empty()) continue;
         view.frames_per_s = rates_[i].update(shot->num_pictures[i], shot->time);
         if (view.image.empty()) continue;
         view.foreground_share = enclosed_area_px(view.outlines_px) /

@@ -30,6 +30,13 @@ public:
     Preview(std::filesystem::path target, std::vector<std::string> camera_names);
     ~Preview();
 
+    /// True if something new may be shown: the last picture is drawn, and a second has passed, of a
+    /// window a tenth.
+    bool wants_shot() const { return wants_shot_; }
+
+    /// Shows views with captions; newest wins. Shares the pictures without copies.
+    void show(std::vector<View> views);
+
     /// Counts the pictures of a metaframe. Returns true if `show` should follow with it.
     bool count(const capture::Metaframe& metaframe);
 

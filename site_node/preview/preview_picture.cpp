@@ -21,6 +21,7 @@ const cv::Scalar kInk(240, 240, 240);
 const cv::Scalar kGround(28, 28, 28);
 const cv::Scalar kMissing(60, 60, 60);
 const cv::Scalar kSilhouette(80, 220, 60);  // green, which few people wear
+const cv::Scalar kMark(40, 160, 255);
 
 struct Grid {
     int columns = 1;
@@ -110,6 +111,20 @@ void draw_silhouette(const View& view, cv::Mat picture) {
     cv::polylines(picture, outlines, true, kSilhouette, 1, cv::LINE_AA, kShift);
 }
 
+void draw_marks(const View& view, cv::Mat picture) {
+    constexpr int kRadius_px = 6;
+    for (const Eigen::Vector2d& p : view.marks_px) {
+        const Eigen::Vector2d half = (p.array() - 0.5) / 2.0 * (1 << kShift);
+        cv::circle(picture,
+                   {cvRound(half.x()), cvRound(half.y())},
+                   kRadius_px << kShift,
+                   kMark,
+                   1,
+                   cv::LINE_AA,
+                   kShift);
+    }
+}
+
 void write(cv::Mat canvas, cv::Point corner, const std::string& text, const cv::Scalar& colour) {
     cv::putText(canvas, text, corner, cv::FONT_HERSHEY_SIMPLEX, 0.48, colour, 1, cv::LINE_AA);
 }
@@ -126,12 +141,16 @@ void draw_view(const View& view, const Grid& grid, cv::Point corner, cv::Mat can
         const cv::Point centred((area.width - size.width) / 2, (area.height - size.height) / 2);
         cv::Mat place = canvas(cv::Rect(corner + centred, size));
         halve(picture, place);
+        if (view.brightness != 1.0) place.convertTo(place, CV_8U, view.brightness);
         draw_silhouette(view, place);
+        draw_marks(view, place);
     }
-    const std::string words = fmt::format("{}  {:.1f}/s  foreground {:.1f} %",
-                                          view.name,
-                                          view.frames_per_s,
-                                          100.0 * view.foreground_share);
+    const std::string words = !view.caption.empty()
+                                  ? view.caption
+                                  : fmt::format("{}  {:.1f}/s  foreground {:.1f} %",
+                                                view.name,
+                                                view.frames_per_s,
+                                                100.0 * view.foreground_share);
     write(canvas, corner + cv::Point(6, grid.view.height + kBarHeight_px - 8), words, kInk);
 }
 

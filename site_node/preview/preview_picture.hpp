@@ -19,7 +19,10 @@ struct View {
     /// Blobs and holes in the delivered picture; even-odd rule.
     std::vector<std::vector<Eigen::Vector2d>> outlines_px;
     double frames_per_s = 0.0;
-    double foreground_share = 0.0;  // of the picture's area, 0 to 1
+    double foreground_share = 0.0;          // of the picture's area, 0 to 1
+    std::string caption;                    // below the view, instead of name, rate and share
+    std::vector<Eigen::Vector2d> marks_px;  // encircled
+    double brightness = 1.0;                // the picture is drawn so many times as bright
 };
 
 /// Packed BGR, rows from the top.

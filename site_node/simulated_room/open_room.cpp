@@ -3,6 +3,7 @@
 #include "core/app/log.hpp"
 #include "simulation/model.hpp"
 #include "site_node/simulated_room/simulated_source.hpp"
+#include "site_node/simulated_room/wand_source.hpp"
 
 #include <filesystem>
 #include <system_error>
@@ -12,6 +13,8 @@ namespace atrium::simulated_room {
 Expected<std::unique_ptr<capture::FrameSource>> open_room(const config::Rig& rig,
                                                           const simulation::RoomConfig& config,
                                                           std::stop_token stop) {
+    if (config.shows == "wand")
+        return std::make_unique<WandSource>(rig, simulation::wand_room_options(config));
     const simulation::RoomOptions room = simulation::room_options(config, rig.rate_hz);
     if (!room.model.empty()) {
         // here, not while rendering: a loop from the cache has the same faults

@@ -1,7 +1,9 @@
+#include "core/app/program.hpp"
 #include "core/config/rig.hpp"
 #include "tools/calibrate/finish_calibration.hpp"
 #include "tools/calibrate/frame_options.hpp"
 #include "tools/calibrate/subcommands.hpp"
+#include "tools/calibrate/sweep/keep_sweep.hpp"
 #include "tools/calibrate/wand/judge_wand.hpp"
 #include "tools/calibrate/wand/light_points.hpp"
 #include "tools/calibrate/wand/solve_wand.hpp"
@@ -36,17 +38,26 @@ struct WandCommand {
     int threads = 0;  // 0: one per processor
     fs::path output;
     Said said;
+    SweepOptions sweep;
 };
 
+// The points of a file, or of the pictures of a sweep, and what is known of their cameras.
+struct WandInput {
+    LightPoints points;
+    std::vector<NominalCamera> nominal;
+};
+
+// `sizes`: of the pictures of a sweep; empty for points of a file.
 Expected<std::vector<NominalCamera>> nominal_cameras(const WandCommand& options,
-                                                     const LightPoints& points) {
+                                                     const LightPoints& points,
+                                                     const std::vector<NominalCamera>& sizes) {
     std::vector<NominalCamera> cameras;
     std::optional<config::Rig> like;
     if (!options.like.empty()) {
         auto rig = config::load_rig(options.like);
         if (!rig) return tl::unexpected(rig.error());
         like = std::move(*rig);
-    } else if (!options.size) {
+    } else if (!options.size && sizes.empty()) {
         return make_error(ErrorKind::kConfiguration,
                           "the points do not tell the size of the pictures: give --size "
                           "WIDTHxHEIGHT, or --like RIG with cameras of these names");
@@ -57,17 +68,25 @@ Expected<std::vector<NominalCamera>> nominal_cameras(const WandCommand& options,
             nominal.width = (*options.size)[0];
             nominal.height = (*options.size)[1];
         }
+        if (!sizes.empty()) nominal = sizes[cameras.size()];
+        if (options.focal_px > 0.0) nominal.focal_px = options.focal_px;
         if (like) {
             const auto found =
                 std::ranges::find(like->cameras, camera.name, &geometry::CalibratedCamera::name);
+            if (found == like->cameras.end() && !sizes.empty()) {
+                cameras.push_back(nominal);  // a new one
+                continue;
+            }
             if (found == like->cameras.end())
                 return make_error(ErrorKind::kConfiguration,
                                   fmt::format("{}: has no camera '{}', which {} names",
                                               options.like.string(),
                                               camera.name,
                                               options.points.string()));
-            nominal.width = found->intrinsics.width;
-            nominal.height = found->intrinsics.height;
+            if (sizes.empty()) {
+                nominal.width = found->intrinsics.width;
+                nominal.height = found->intrinsics.height;
+            }
             if (nominal.focal_px == 0.0)
                 nominal.focal_px = 0.5 * (found->intrinsics.fx + found->intrinsics.fy);
         }
@@ -110,7 +129,44 @@ private:
     bool is_terminal_ = isatty(STDERR_FILENO) != 0;
 };
 
-Expected<void> run_wand(WandCommand options) {
+// Fills `options.points`, too.
+Expected<WandInput> wand_input(WandCommand& options, const Wand& wand, std::stop_token stop) {
+    WandInput input;
+    if (options.points.empty()) {
+        options.points = points_file(options.sweep, options.output);
+        auto swept = keep_sweep(options.sweep, wand, options.points, options.force, stop);
+        if (!swept) return tl::unexpected(swept.error());
+        if (!options.rate_hz) options.rate_hz = swept->rate_hz;
+        input = {std::move(swept->points), std::move(swept->cameras)};
+    } else {
+        auto points = load_light_points(options.points);
+        if (!points) return tl::unexpected(points.error());
+        input.points = std::move(*points);
+    }
+    if (const std::string twins = same_pictures(input.points); !twins.empty())
+        return make_error(ErrorKind::kInvalidData, twins);
+    auto nominal = nominal_cameras(options, input.points, input.nominal);
+    if (!nominal) return tl::unexpected(nominal.error());
+    input.nominal = std::move(*nominal);
+    return input;
+}
+
+// How the command line names one source of points.
+Expected<void> check_source(const WandCommand& options) {
+    const bool is_sweep = options.sweep.is_asked();
+    if (options.points.empty() != is_sweep)
+        return make_error(
+            ErrorKind::kConfiguration,
+            is_sweep ? "--points: the lights come from a file or from pictures, not from both"
+                     : "which lights? Give --points FILE.csv, or pictures: --recording DIR, "
+                       "--config SITE.toml, or --capture.source cameras");
+    if (is_sweep && options.size)
+        return make_error(ErrorKind::kConfiguration, "--size: the pictures tell their sizes");
+    return {};
+}
+
+Expected<void> run_wand(WandCommand& options) {
+    if (auto one = check_source(options); !one) return one;
     const auto previous = find_previous_rig(options.output, options.frame_of, options.force);
     if (!previous) return tl::unexpected(previous.error());
     Wand wand = default_wand();
@@ -119,12 +175,11 @@ Expected<void> run_wand(WandCommand options) {
         if (!loaded) return tl::unexpected(loaded.error());
         wand = std::move(*loaded);
     }
-    const auto points = load_light_points(options.points);
-    if (!points) return tl::unexpected(points.error());
-    if (const std::string twins = same_pictures(*points); !twins.empty())
-        return make_error(ErrorKind::kInvalidData, twins);
-    const auto nominal = nominal_cameras(options, *points);
-    if (!nominal) return tl::unexpected(nominal.error());
+    std::optional<app::StopOnSignal> on_signal;
+    if (options.points.empty()) on_signal.emplace();
+    const auto input =
+        wand_input(options, wand, on_signal ? on_signal->token() : std::stop_token());
+    if (!input) return tl::unexpected(input.error());
     WandOptions how;
     how.lens = options.has_third ? LensFreedom::kAllAndThird : LensFreedom::kAll;
     how.num_threads = options.threads > 0
@@ -133,7 +188,7 @@ Expected<void> run_wand(WandCommand options) {
     const auto solution = [&] {
         Progress progress;
         how.report = [&](const std::string& step) { progress.show(step); };
-        return solve_wand(wand, *nominal, *points, how);
+        return solve_wand(wand, input->nominal, input->points, how);
     }();
     if (!solution) return tl::unexpected(solution.error());
     FinishOptions finish;
@@ -158,6 +213,8 @@ void add_wand(CLI::App& app, Action& action) {
         "wand", "makes a rig.toml from the lights of a wand that was swept through the room");
     command->footer(
         "Examples:\n"
+        "  calibrate wand --config site.toml --preview -o lab.toml\n"
+        "  calibrate wand --recording sweep7 -o lab.toml\n"
         "  calibrate wand --points sweep.csv --size 1280x1024 -o lab.toml\n"
         "  calibrate wand --points sweep.csv --wand wand.toml --like old.toml -o lab.toml\n"
         "The default wand has four lights on a line, at 0, 10, 30 and 60 cm.\n"
@@ -167,7 +224,6 @@ void add_wand(CLI::App& app, Action& action) {
         ->add_option("--points",
                      options->points,
                      "CSV of bright points: camera,instant,light,x_px,y_px; light may be empty")
-        ->required()
         ->type_name("FILE");
     command
         ->add_option("--wand",
@@ -193,8 +249,9 @@ void add_wand(CLI::App& app, Action& action) {
         ->check(CLI::Range(10.0, 100000.0));
     command->add_flag("--k3", options->has_third, "also adjust the distortion k3: for wide lenses");
     command
-        ->add_option(
-            "--rate", options->rate_hz, "instants per second; default: of the rig before, else 30")
+        ->add_option("--rate",
+                     options->rate_hz,
+                     "instants per second; default: of the pictures, of the rig before, else 30")
         ->check(CLI::Range(0.1, 1000.0));
     command->add_option("--threads", options->threads, "threads; default: one per processor")
         ->check(CLI::Range(1, 256));
@@ -220,6 +277,7 @@ void add_wand(CLI::App& app, Action& action) {
     command->add_flag("--force",
                       options->force,
                       "write in spite of problems, and replace a rig that is still true");
+    options->sweep.add_to(*command);
     command->callback([options, &action] { action = [options] { return run_wand(*options); }; });
 }
 

@@ -53,6 +53,8 @@ Expected<ShownPictures> load_pictures(const Plan& plan, std::stop_token stop) {
     if (!plan.config.recording.empty())
         return show_recording(plan.config.recording, plan.format, stop);
     const simulation::RoomConfig& room = plan.config.simulation;
+    if (room.shows == "wand")
+        return show_wand(plan.rig, simulation::wand_room_options(room), plan.format);
     if (!room.model.empty()) {
         const auto model =
             simulation::examine_model(simulation::room_options(room, plan.rig.rate_hz));

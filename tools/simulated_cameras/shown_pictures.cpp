@@ -34,7 +34,7 @@ Expected<ShownPictures> show_room(const config::Rig& rig,
         if (!cached) return tl::unexpected(cached.error());
         loop = std::move(cached->loop);
     }
-    ShownPictures shown{.rig = rig, .format = format, .empty = {}, .motion = {}};
+    ShownPictures shown{.rig = rig, .format = format, .empty = {}, .motion = {}, .wand = {}};
     shown.rig.rate_hz = room.rate_hz;
     shown.empty.resize(rig.cameras.size());
     shown.motion.resize(rig.cameras.size());
@@ -51,13 +51,36 @@ Expected<ShownPictures> show_room(const config::Rig& rig,
     return shown;
 }
 
+ShownPictures show_wand(const config::Rig& rig,
+                        const simulation::WandRoomOptions& options,
+                        image::PixelFormat format) {
+    const std::vector<std::vector<std::vector<std::uint8_t>>> none(rig.cameras.size());
+    return {.rig = rig,
+            .format = format,
+            .empty = none,
+            .motion = none,
+            .wand = std::make_shared<simulation::WandRoom>(rig, options)};
+}
+
+std::vector<std::uint8_t> wand_picture(const ShownPictures& shown,
+                                       std::size_t camera,
+                                       std::size_t index) {
+    image::YuvImage picture;
+    shown.wand->render(static_cast<double>(index) / shown.rig.rate_hz, camera, picture.y);
+    // grey light: every filter of a mosaic passes the same
+    if (shown.format != image::PixelFormat::kRgb) return std::move(picture.y.data);
+    picture.u = image::Plane(picture.y.width / 2, picture.y.height / 2, 128);
+    picture.v = picture.u;
+    return sense(picture, shown.format);
+}
+
 Expected<ShownPictures> show_recording(const std::filesystem::path& folder,
                                        image::PixelFormat format,
                                        std::stop_token stop) {
     auto source = capture::RecordingSource::open({folder, 0.0, false});
     if (!source) return tl::unexpected(source.error());
     const config::Rig& rig = (*source)->rig();
-    ShownPictures shown{.rig = rig, .format = format, .empty = {}, .motion = {}};
+    ShownPictures shown{.rig = rig, .format = format, .empty = {}, .motion = {}, .wand = {}};
     shown.empty.resize(rig.cameras.size());
     shown.motion.resize(rig.cameras.size());
     std::vector<std::size_t> all(rig.cameras.size());

@@ -4,11 +4,13 @@
 #include "core/config/rig.hpp"
 #include "core/image/raw_image.hpp"
 #include "simulation/simulated_loop.hpp"
+#include "simulation/wand_room.hpp"
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -18,14 +20,19 @@
 namespace atrium::simulated_cameras {
 
 /// Pictures of all cameras of a rig as sensor bytes: some of the empty room, then a repeating
-/// motion.
+/// motion. With a `wand` there are none: its pictures are rendered when they are due.
 struct ShownPictures {
     config::Rig rig;
     image::PixelFormat format = image::PixelFormat::kBayerRG;
     std::vector<std::vector<std::vector<std::uint8_t>>> empty;   // [camera][shot]
     std::vector<std::vector<std::vector<std::uint8_t>>> motion;  // [camera][instant]
 
-    std::size_t num_instants() const { return motion.front().size(); }
+    std::shared_ptr<const simulation::WandRoom> wand;  // null: no wand
+
+    std::size_t num_instants() const {
+        return wand == nullptr ? motion.front().size() : kWandInstants;
+    }
+    static constexpr std::size_t kWandInstants = 1'000'000;  // then the sweep starts again
 };
 
 /// Renders a simulated room or loads it from `cache` (empty: no cache). `room.rate_hz` is the rate
@@ -36,6 +43,16 @@ Expected<ShownPictures> show_room(const config::Rig& rig,
                                   const std::filesystem::path& cache,
                                   const simulation::LoopProgress& progress,
                                   std::stop_token stop);
+
+/// A dark room in which a wand is swept at the rate of `rig`.
+ShownPictures show_wand(const config::Rig& rig,
+                        const simulation::WandRoomOptions& options,
+                        image::PixelFormat format);
+
+/// Renders instant `index` of the wand for one camera. `shown.wand` must not be null.
+std::vector<std::uint8_t> wand_picture(const ShownPictures& shown,
+                                       std::size_t camera,
+                                       std::size_t index);
 
 /// Reads a whole recording (docs/conventions.md), with at most `kMaxShownBytes` of pictures.
 /// Without background pictures there is no empty room, and the motion starts at once.

@@ -32,6 +32,17 @@ TEST(LatestSlot, TakeReturnsWhenStopIsRequested) {
     EXPECT_FALSE(result.has_value());
 }
 
+TEST(LatestSlot, ReturnsWithoutAValueAtTheDeadline) {
+    LatestSlot<int> slot;
+    const auto past = std::chrono::steady_clock::now();
+    EXPECT_FALSE(slot.take_until({}, past).has_value());
+    slot.put(3);
+    EXPECT_EQ(slot.take_until({}, past), 3);
+    std::stop_source stop;
+    stop.request_stop();
+    EXPECT_FALSE(slot.take_until(stop.get_token(), past + std::chrono::hours(1)).has_value());
+}
+
 TEST(LatestSlot, KeepsOrderAndCountsEveryLossUnderContention) {
     constexpr int kNumValues = 20000;
     LatestSlot<int> slot;

@@ -259,5 +259,21 @@ TEST(TableReader, ShowsALineThatIsNotTomlAndSaysHowToWriteIt) {
     EXPECT_LT(error_of("threads = \"" + std::string(1000, 'x')).size(), 300u);
 }
 
+TEST(TableReader, PassesOverWhatAnotherProgramReads) {
+    const std::string text = "[capture]\nsource = 3\nrate = 2\n[hull]\nany = 1\n[[thing]]\nx = 1\n";
+    auto reader = TableReader::parse(text, "site.toml");
+    ASSERT_TRUE(reader);
+    TableReader capture = reader->table("capture");
+    double rate = 0.0;
+    capture.read("rate", rate);
+    reader->pass_over_others();
+    const auto unknown = reader->finish();
+    ASSERT_FALSE(unknown) << "unknown keys of tables that were read stay errors";
+    EXPECT_THAT(unknown.error().message, HasSubstr("site.toml:2: capture.source: unknown key"));
+    double source = 0.0;
+    capture.read("source", source);
+    EXPECT_TRUE(reader->finish());
+}
+
 }  // namespace
 }  // namespace atrium::config

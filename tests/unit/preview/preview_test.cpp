@@ -91,6 +91,20 @@ TEST(PreviewPicture, TintsOnlyTheSilhouette) {
     }
 }
 
+TEST(PreviewPicture, BrightensAPictureAndEncirclesMarks) {
+    View view = view_of(image::PixelFormat::kBgr);
+    view.outlines_px.clear();
+    view.brightness = 1.5;
+    view.caption = "what it needs";
+    view.marks_px = {{200.5, 300.5}};
+    Picture picture;
+    draw({view}, picture);
+    const Bgr plain = pixel(picture, kEdge + 100, kEdge + 150);  // in the middle of the circle
+    EXPECT_LE(difference(plain, {90, 180, 255}), 12);
+    EXPECT_GT(difference(pixel(picture, kEdge + 106, kEdge + 150), plain), 60);
+    EXPECT_EQ(pixel(picture, kEdge + 112, kEdge + 150), plain);
+}
+
 TEST(PreviewPicture, HasACellForEveryCameraEvenIfLost) {
     for (std::size_t n = 1; n <= 12; ++n) {
         std::vector<View> views(n, view_of(image::PixelFormat::kBgr));

@@ -1,4 +1,4 @@
-#include "site_node/camera_config.hpp"
+#include "site_node/source/camera_config.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "site_node/capture/metaframe.hpp"
+#include "site_node/preview/preview_picture.hpp"
+#include "tools/calibrate/sweep/sweep_tally.hpp"
+
+#include <vector>
+
+namespace atrium::calibrate {
+
+/// What a preview of a sweep shows of one instant: each picture, brightened, with the lights
+/// that move encircled, the covered fields tinted, and what the camera still needs.
+std::vector<preview::View> views_of(const capture::Metaframe& instant, const SweepTally& tally);
+
+}  // namespace atrium::calibrate
