@@ -1,13 +1,13 @@
 #include "core/config/rig.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
 #include "tools/calibrate/frame_options.hpp"
+#include "tools/calibrate/progress.hpp"
 #include "tools/calibrate/subcommands.hpp"
 #include "tools/calibrate/wand/judge_wand.hpp"
 #include "tools/calibrate/wand/light_points.hpp"
 #include "tools/calibrate/wand/solve_wand.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -110,22 +110,6 @@ ForeignRig as_foreign(const WandSolution& solution) {
     }
     return rig;
 }
-
-// A line that is written over on a terminal, and not at all elsewhere.
-class Progress {
-public:
-    void show(const std::string& text) {
-        if (!is_terminal_) return;
-        fmt::print(stderr, "\r\033[K{} ...", text);
-        std::fflush(stderr);
-    }
-    ~Progress() {
-        if (is_terminal_) fmt::print(stderr, "\r\033[K");
-    }
-
-private:
-    bool is_terminal_ = isatty(STDERR_FILENO) != 0;
-};
 
 Expected<void> refuse_to_write(const WandCommand& options,
                                const std::vector<std::string>& problems) {
