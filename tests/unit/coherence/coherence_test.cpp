@@ -1,9 +1,9 @@
 #include "site_node/coherence/coherence.hpp"
 
+#include "tests/support/people/walk_film.hpp"
 #include "tests/support/people/walking_people.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/shapes/rig_maker.hpp"
-#include "tests/unit/coherence/walk_film.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@
 namespace atrium::coherence {
 namespace {
 
-using coherence_test::Filming;
-using coherence_test::WalkFilm;
+using test::Filming;
+using test::WalkFilm;
 
 constexpr std::uint64_t kSeeds = test::kSanitized ? 1 : 20;
 constexpr std::uint64_t kFewSeeds = test::kSanitized ? 1 : 8;
@@ -138,7 +138,7 @@ TEST(Coherence, IsSilentAboutATrueRig) {
         if (!contours[0].empty()) dilate(camera, look, random, contours);
         light(camera, look, random, contours);
     };
-    const std::vector<coherence_test::Spoil> spoils{{}, dilate, light, holes, all};
+    const std::vector<test::Spoil> spoils{{}, dilate, light, holes, all};
     for (std::uint64_t seed = 1; seed <= kFewSeeds; ++seed) {
         const int num_people = seed % 4 < 2 ? 1 : 2;
         const double noise_px = seed % 2 == 0 ? 0.3 : 1.0;

@@ -25,7 +25,8 @@ constexpr int kIterations = 20;
 constexpr double kFirstMost_px = 150.0;  // errors that count at the beginning
 constexpr double kFirstConfirmed_px = 80.0;
 constexpr double kMost_px = 20.0;
-constexpr double kLeastScale_px = 0.5;
+constexpr double kLeastScale_px = 0.2;
+constexpr double kGross = 6.0;  // standard deviations
 constexpr std::size_t kLeastTangencies = 20;
 // What holds the frame, and whatever silhouettes do not show.
 constexpr double kExpectedTurn = 0.02;
@@ -127,8 +128,7 @@ public:
             wide.confirmed_px = std::clamp(6.0 * errors_px, kMost_px, kFirstConfirmed_px);
             used = find(now, false, wide);
             if (auto enough = check_enough(used); !enough) return tl::unexpected(enough.error());
-            if (auto done = adjust(used, std::max(kLeastScale_px, 2.0 * errors_px)); !done)
-                return tl::unexpected(done.error());
+            if (auto done = adjust(used, errors_px); !done) return tl::unexpected(done.error());
         }
         result.cameras = current();
         if (options_.cameras.empty()) result.cameras = laid_on(std::move(result.cameras), start_);
@@ -207,11 +207,16 @@ private:
         return cameras;
     }
 
-    Expected<void> adjust(const std::vector<Tangency>& used, double scale_px) {
+    // `errors_px`: the standard deviation of the tangencies.
+    Expected<void> adjust(const std::vector<Tangency>& used, double errors_px) {
         const auto now = current();
+        const double unit_px = std::max(kLeastScale_px, errors_px);
         ceres::Problem::Options ownership;
         ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-        ceres::TukeyLoss gross(4.0 * scale_px);
+        // in standard deviations, so that the expectations hold what the silhouettes do not show
+        ceres::ScaledLoss gross(new ceres::TukeyLoss(kGross * unit_px),
+                                1.0 / (kTogether * unit_px * unit_px),
+                                ceres::TAKE_OWNERSHIP);
         ceres::CauchyLoss stays(1.0);
         ceres::Problem problem(ownership);
         for (const Tangency& t : used) add(problem, t, now, &gross);

@@ -12,12 +12,12 @@
 #include <functional>
 #include <vector>
 
-namespace atrium::coherence_test {
+namespace atrium::test {
 
 /// What a camera sees: changes the points of one picture. `look`: number of the instant.
 using Spoil = std::function<void(std::size_t camera,
                                  std::size_t look,
-                                 test::Random& random,
+                                 Random& random,
                                  std::vector<std::vector<Eigen::Vector2d>>& contours)>;
 
 /// How the pictures of a walk differ from those of the rig.
@@ -43,4 +43,4 @@ private:
     std::uint64_t seed_;
 };
 
-}  // namespace atrium::coherence_test
+}  // namespace atrium::test

@@ -1,8 +1,8 @@
-#include "tests/unit/coherence/walk_film.hpp"
+#include "tests/support/people/walk_film.hpp"
 
 #include "tests/support/people/walking_people.hpp"
 
-namespace atrium::coherence_test {
+namespace atrium::test {
 namespace {
 
 constexpr std::size_t kLooks = 48;
@@ -13,7 +13,7 @@ constexpr std::size_t kEvery = 8;  // of the vertices
 }  // namespace
 
 WalkFilm::WalkFilm(std::uint64_t seed, int num_people) : seed_(seed) {
-    const test::WalkingPeople people({.seed = seed, .num_people = num_people});
+    const WalkingPeople people({.seed = seed, .num_people = num_people});
     for (std::size_t i = 0; i < kLooks; ++i) {
         const double now_s = 1.0 + kLook_s * static_cast<double>(i);
         auto& look = looks_.emplace_back();
@@ -24,7 +24,7 @@ WalkFilm::WalkFilm(std::uint64_t seed, int num_people) : seed_(seed) {
 }
 
 coherence::Sight WalkFilm::sight(std::size_t look, const Filming& filming) const {
-    test::Random random(1000 * seed_ + look);
+    Random random(1000 * seed_ + look);
     coherence::Sight sight;
     for (const bool is_now : {true, false}) {
         auto& hulls = is_now ? sight.now : sight.before;
@@ -35,8 +35,8 @@ coherence::Sight WalkFilm::sight(std::size_t look, const Filming& filming) const
             std::vector<std::vector<Eigen::Vector2d>> contours(1);
             for (const Eigen::Vector3d& p : points) {
                 Eigen::Vector2d px = camera.intrinsics.project(camera.camera_from_site * p);
-                px.x() += test::between(random, -filming.noise_px, filming.noise_px);
-                px.y() += test::between(random, -filming.noise_px, filming.noise_px);
+                px.x() += between(random, -filming.noise_px, filming.noise_px);
+                px.y() += between(random, -filming.noise_px, filming.noise_px);
                 contours[0].push_back(px);
             }
             if (filming.spoil) filming.spoil(c, look, random, contours);
@@ -51,4 +51,4 @@ coherence::Sight WalkFilm::sight(std::size_t look, const Filming& filming) const
     return sight;
 }
 
-}  // namespace atrium::coherence_test
+}  // namespace atrium::test
