@@ -1,42 +1,38 @@
 #include "tools/calibrate/refine/check_rig.hpp"
 
 #include "site_node/coherence/coherence.hpp"
+#include "site_node/coherence/fault_text.hpp"
 #include "site_node/rig_check/diagnosis.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
+#include "tools/calibrate/refine/refine.hpp"
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <numeric>
 
 namespace atrium::calibrate {
 namespace {
 
-using coherence::NamedFault;
 using coherence::Verdict;
 
-// "turned by 0.20 degrees and moved by 10 mm"
-std::string motion_text(const NamedFault& fault) {
-    const std::string turned =
-        fault.turned_deg ? fmt::format("turned by {:.2f} degrees", *fault.turned_deg) : "";
-    const std::string moved =
-        fault.moved_mm ? fmt::format("moved by {:.0f} mm", *fault.moved_mm) : "";
-    if (turned.empty() && moved.empty()) return "turned or moved a little";
-    if (turned.empty() || moved.empty()) return turned + moved;
-    return turned + (fault.is_either ? " or " : " and ") + moved;
-}
+// A rig is no longer true as a whole if a refinement would halve errors of this size.
+constexpr double kDoubtful_px = 0.8;
+constexpr double kMuchBetter = 0.5;
 
-std::string late_text(const NamedFault& fault, const std::string& name, double rate_hz) {
-    const double late = fault.late_instants;
-    const double whole = std::round(-late);
+// Whether other poses of all cameras explain the silhouettes of held-out instants much better.
+std::string doubt_of_whole(const config::Rig& rig,
+                           const Take& take,
+                           const coherence::Report& report) {
+    if (report.rms_px < kDoubtful_px) return {};
+    const auto refined = refine(rig.cameras, take.sights, {});
+    if (!refined || refined->held_out.empty() ||
+        refined->after.held_out > kMuchBetter * refined->before.held_out)
+        return {};
     return fmt::format(
-        "camera '{}' is {} by {:.1f} instants ({:.0f} ms): its pictures fit the motion of the "
-        "person at another time; check its trigger, or shift its pictures by {}",
-        name,
-        late > 0.0 ? "late" : "early",
-        std::abs(late),
-        1000.0 * std::abs(late) / rate_hz,
-        whole == 0.0 ? "less than an instant, by its clock" : fmt::format("{:.0f}", whole));
+        "the rig is no longer true: silhouettes differ by {:.2f} px, by {:.2f} px with other poses "
+        "of its cameras",
+        refined->before.held_out,
+        refined->after.held_out);
 }
 
 void check_coverage(const config::Rig& rig, const Take& take, RigCheck& check) {
@@ -90,6 +86,12 @@ void check_silhouettes(const config::Rig& rig,
     };
     switch (report.verdict) {
         case Verdict::kCoherent:
+            if (const std::string doubt = doubt_of_whole(rig, take, report); !doubt.empty())
+                check.problems.push_back(fmt::format(
+                    "{}: several cameras were moved, or the calibration was coarse: mend the rig "
+                    "with {}",
+                    doubt,
+                    mend("")));
             return;
         case Verdict::kTooLittle:
             check.checks.push_back(
@@ -113,15 +115,15 @@ void check_silhouettes(const config::Rig& rig,
                 "camera '{}' {} since the calibration ({:.1f} px in its pictures; {:.2f} px remain "
                 "without it): fix it, and mend the rig with {}",
                 name,
-                motion_text(*report.fault),
+                coherence::motion_text(*report.fault),
                 report.fault->effect_px,
                 report.fault->rms_after_px,
                 mend(fmt::format("--camera {} ", name))));
             return;
         }
         case Verdict::kLate:
-            check.problems.push_back(
-                late_text(*report.fault, rig.cameras[report.fault->camera].name, take.rate_hz));
+            check.problems.push_back(coherence::late_text(
+                *report.fault, rig.cameras[report.fault->camera].name, take.rate_hz));
             return;
     }
 }

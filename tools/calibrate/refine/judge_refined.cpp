@@ -1,5 +1,7 @@
 #include "tools/calibrate/refine/judge_refined.hpp"
 
+#include "site_node/coherence/coherence.hpp"
+
 #include <fmt/format.h>
 
 #include <numbers>
@@ -10,14 +12,24 @@ namespace {
 
 constexpr double kLeastBetter = 0.98;  // of the errors of held-out instants
 constexpr double kCoverageNoise = 0.003;
-constexpr double kWeak_deg = 0.2;
-constexpr double kWeak_mm = 10.0;
+constexpr double kWeak_deg = 0.5;
+constexpr double kWeak_mm = 30.0;
 constexpr std::size_t kFewSights = 10;
+constexpr double kStays_deg = 0.002;
+constexpr double kStays_mm = 0.05;
 constexpr double kFar_deg = 5.0;
 constexpr double kFar_mm = 200.0;
 constexpr const char* kWalk =
     "record a person who walks through the whole space, near each camera and far from it, and "
     "raises the arms, for half a minute";
+
+// Instants at which the person has moved since the one before.
+std::size_t num_moving_sights(std::span<const geometry::CalibratedCamera> cameras,
+                              const Take& take) {
+    coherence::Coherence coherence({cameras.begin(), cameras.end()}, take.sights.size());
+    for (const coherence::Sight& sight : take.sights) coherence.add(sight);
+    return coherence.judge().num_sights;
+}
 
 }  // namespace
 
@@ -56,7 +68,7 @@ RefinedVerdict judge_refined(const Refined& refined,
                                   180.0 / std::numbers::pi;
         const double moved_mm =
             1000.0 * (old[c].centre_site() - refined.cameras[c].centre_site()).norm();
-        if (turned_deg == 0.0 && moved_mm == 0.0) continue;
+        if (turned_deg < kStays_deg && moved_mm < kStays_mm) continue;
         const double focal = refined.cameras[c].intrinsics.fx / old[c].intrinsics.fx;
         verdict.told.push_back(
             fmt::format("camera '{}': turned {:.2f} degrees, moved {:.1f} mm{}",
@@ -72,9 +84,14 @@ RefinedVerdict judge_refined(const Refined& refined,
                 turned_deg,
                 moved_mm));
     }
-    if (take.sights.size() < kFewSights)
-        verdict.problems.push_back(
-            fmt::format("{} instants show too little: {}", take.sights.size(), kWalk));
+    verdict.told.push_back(
+        fmt::format("least certain: {:.2f} degrees and {:.0f} mm of a camera, together",
+                    refined.weakest_deg,
+                    refined.weakest_mm));
+    const std::size_t num_moving = num_moving_sights(old, take);
+    if (num_moving < kFewSights)
+        verdict.problems.push_back(fmt::format(
+            "{} instants with somebody who moves show too little: {}", num_moving, kWalk));
     if (refined.weakest_deg > kWeak_deg || refined.weakest_mm > kWeak_mm)
         verdict.problems.push_back(
             fmt::format("the silhouettes do not determine the cameras: one could turn by {:.2f} "
