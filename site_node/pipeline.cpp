@@ -246,12 +246,17 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     return {};
 }
 
+std::vector<views::NamedView> Pipeline::views(const Silhouettes& silhouettes) const {
+    std::vector<views::NamedView> views;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        if (silhouettes.delivered_[i] != 0) views.push_back({cameras_[i].name, hull_.views()[i]});
+    }
+    return views;
+}
+
 rig_check::Look Pipeline::look(const Silhouettes& silhouettes, const hull::VisualHull& hull) const {
     rig_check::Look look;
-    for (std::size_t i = 0; i < cameras_.size(); ++i) {
-        if (silhouettes.delivered_[i] != 0)
-            look.views.push_back({cameras_[i].name, hull_.views()[i]});
-    }
+    look.views = views(silhouettes);
     if (hull.status != hull::HullStatus::kOk) return look;
     look.hull_extent = geometry::bounds(hull.mesh);
     look.hull_volume_m3 = geometry::volume_m3(hull.mesh);

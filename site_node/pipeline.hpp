@@ -11,6 +11,7 @@
 #include "site_node/rig_check/rig_watch.hpp"
 #include "site_node/silhouette_stage/silhouette_stage.hpp"
 #include "site_node/texture/texture.hpp"
+#include "site_node/views/named_view.hpp"
 
 #include <memory>
 #include <stop_token>
@@ -133,6 +134,9 @@ public:
                            const ColourCoding& coding,
                            Executor& executor,
                            SiteFrame& frame);
+
+    /// Copies the contours of the cameras that delivered: after `compute`, before the next.
+    std::vector<views::NamedView> views(const Silhouettes& silhouettes) const;
 
     /// Copies what a check of the rig needs of a metaframe: after `compute`, before the next.
     rig_check::Look look(const Silhouettes& silhouettes, const hull::VisualHull& hull) const;

@@ -66,6 +66,7 @@ Expected<void> SiteNode::run(std::stop_token stop) {
             app::log::info("camera {}", to_line(counters));
     }
     rig_watcher_.finish();
+    coherence_watcher_.finish();
     if (auto done = run_control_->result(); !done) return done;
     return explain_no_output(total, stop.stop_requested());
 }
@@ -203,6 +204,9 @@ void SiteNode::compute_frame(Ready& ready) {
     const auto done = pipeline_.compute(*ready.silhouettes, coding, pool_, *frame);
     if (rig_watcher_.wants_look(std::chrono::steady_clock::now()))
         rig_watcher_.put(pipeline_.look(*ready.silhouettes, frame->hull));
+    const std::uint64_t id = ready.silhouettes->metaframe().frame_id;
+    if (coherence_watcher_.wants(id, std::chrono::steady_clock::now()))
+        coherence_watcher_.put(id, pipeline_.views(*ready.silhouettes));
     if (!done) return count_failure(ready.silhouettes->metaframe().frame_id, done.error());
     stream_.coded(choice, *frame, std::chrono::steady_clock::now());
     count_losses(*frame);

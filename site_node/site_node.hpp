@@ -11,6 +11,7 @@
 #include "core/presence/membership.hpp"
 #include "site_node/camera_status.hpp"
 #include "site_node/capture/timed_assembler.hpp"
+#include "site_node/coherence_watcher.hpp"
 #include "site_node/config.hpp"
 #include "site_node/lock_step.hpp"
 #include "site_node/preview/preview.hpp"
@@ -124,6 +125,7 @@ private:
     std::atomic<std::uint64_t> num_bytes_{0};
     OffsetBoard offsets_;
     RigWatcher rig_watcher_;
+    CoherenceWatcher coherence_watcher_;
     mutable std::mutex losses_mutex_;
     bus::LeftOutTotals losses_;
     std::string last_failure_;  // why the newest failed metaframe failed

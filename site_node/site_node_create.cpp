@@ -68,6 +68,11 @@ rig_check::AgreementOptions agreement_options(const HullStageOptions& hull) {
     return options;
 }
 
+std::string rig_file(const SiteNodeConfig& config) {
+    return config.capture.source == "recording" ? (config.capture.recording / "rig.toml").string()
+                                                : config.capture.rig.string();
+}
+
 }  // namespace
 
 double metaframe_rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
@@ -180,6 +185,8 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
       pool_(static_cast<std::size_t>(config.threads)),
       offsets_(source_->rig(), source_->is_live()),
       rig_watcher_(agreement_options(config_.pipeline.hull)),
+      coherence_watcher_(
+          source_->rig().cameras, metaframe_rate_hz(config_, source_->rig()), rig_file(config_)),
       run_control_(std::move(run_control)),
       membership_(std::move(membership)) {
     if (config_.preview.empty()) return;

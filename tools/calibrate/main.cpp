@@ -13,6 +13,8 @@ int main(int argc, char** argv) {
     calibrate::add_import(app, action);
     calibrate::add_export(app, action);
     calibrate::add_wand(app, action);
+    calibrate::add_refine(app, action);
+    calibrate::add_check(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

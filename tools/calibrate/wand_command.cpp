@@ -2,6 +2,7 @@
 #include "core/config/rig.hpp"
 #include "tools/calibrate/finish_calibration.hpp"
 #include "tools/calibrate/frame_options.hpp"
+#include "tools/calibrate/progress.hpp"
 #include "tools/calibrate/subcommands.hpp"
 #include "tools/calibrate/sweep/keep_sweep.hpp"
 #include "tools/calibrate/wand/judge_wand.hpp"
@@ -9,7 +10,6 @@
 #include "tools/calibrate/wand/solve_wand.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -112,22 +112,6 @@ Expected<std::vector<NominalCamera>> nominal_cameras(const WandCommand& options,
             fmt::format("{}: has one camera; a wand calibrates several", options.points.string()));
     return cameras;
 }
-
-// A line that is written over on a terminal, and not at all elsewhere.
-class Progress {
-public:
-    void show(const std::string& text) {
-        if (!is_terminal_) return;
-        fmt::print(stderr, "\r\033[K{} ...", text);
-        std::fflush(stderr);
-    }
-    ~Progress() {
-        if (is_terminal_) fmt::print(stderr, "\r\033[K");
-    }
-
-private:
-    bool is_terminal_ = isatty(STDERR_FILENO) != 0;
-};
 
 // Fills `options.points`, too.
 Expected<WandInput> wand_input(WandCommand& options, const Wand& wand, std::stop_token stop) {

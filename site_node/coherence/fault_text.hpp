@@ -1,0 +1,15 @@
+#pragma once
+
+#include "site_node/coherence/coherence.hpp"
+
+#include <string>
+
+namespace atrium::coherence {
+
+/// "turned by 0.20 degrees and moved by 10 mm": what is certain of a camera that was moved.
+std::string motion_text(const NamedFault& fault);
+
+/// A sentence about a camera that is late, with the cure. `rate_hz`: of the instants.
+std::string late_text(const NamedFault& fault, const std::string& camera, double rate_hz);
+
+}  // namespace atrium::coherence

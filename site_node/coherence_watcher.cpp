@@ -1,0 +1,154 @@
+#include "site_node/coherence_watcher.hpp"
+
+#include "core/app/log.hpp"
+#include "site_node/coherence/fault_text.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <ctime>
+#include <utility>
+
+namespace atrium::site_node {
+namespace {
+
+constexpr auto kSightPeriod = std::chrono::milliseconds(500);
+constexpr auto kJudgementPeriod = std::chrono::seconds(5);
+constexpr auto kRepeatFault = std::chrono::minutes(10);
+constexpr int kLeastPriority = 19;  // of nice(2); on Linux per thread
+
+double thread_cpu_s() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace
+
+CoherenceWatcher::CoherenceWatcher(std::vector<geometry::CalibratedCamera> cameras,
+                                   double rate_hz,
+                                   std::string rig_name)
+    : cameras_(std::move(cameras)),
+      rate_hz_(rate_hz),
+      rig_name_(std::move(rig_name)),
+      coherence_(cameras_),
+      thread_([this](std::stop_token stop) { run(stop); }) {
+    pthread_setname_np(thread_.native_handle(), "coherence");
+}
+
+CoherenceWatcher::~CoherenceWatcher() {
+    thread_.request_stop();
+    if (thread_.joinable()) thread_.join();
+}
+
+bool CoherenceWatcher::wants(std::uint64_t frame_id, Clock::time_point now) {
+    if (cameras_.size() < 3) return false;
+    if (before_id_) return frame_id > *before_id_;
+    if (now < due_) return false;
+    due_ = now + kSightPeriod;
+    return true;
+}
+
+void CoherenceWatcher::put(std::uint64_t frame_id, std::vector<views::NamedView> views) {
+    if (!before_id_) {
+        before_id_ = frame_id;
+        before_ = std::move(views);
+        return;
+    }
+    // metaframes between them were dropped: the motion is unknown
+    if (frame_id != *before_id_ + 1) before_.clear();
+    before_id_.reset();
+    slot_.put({std::move(views), std::exchange(before_, {})});
+}
+
+void CoherenceWatcher::run(std::stop_token stop) {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLeastPriority);
+    while (const auto pair = slot_.take(stop)) {
+        look(*pair);
+        cpu_s_ = thread_cpu_s();
+    }
+}
+
+std::vector<coherence::SilhouetteHull> CoherenceWatcher::hulls_of(
+    const std::vector<views::NamedView>& views) const {
+    std::vector<coherence::SilhouetteHull> hulls(cameras_.size());
+    for (const views::NamedView& view : views) {
+        const auto camera =
+            std::ranges::find(cameras_, view.name, &geometry::CalibratedCamera::name);
+        if (camera == cameras_.end()) continue;
+        hulls[static_cast<std::size_t>(camera - cameras_.begin())] =
+            coherence::hull_of(view.view.contours, camera->intrinsics);
+    }
+    return hulls;
+}
+
+void CoherenceWatcher::look(const Pair& pair) {
+    coherence::Sight sight;
+    sight.now = hulls_of(pair.now);
+    if (!pair.before.empty()) sight.before = hulls_of(pair.before);
+    coherence_.add(sight);
+    ++num_looks_;
+    const auto now = Clock::now();
+    if (now < next_judgement_) return;
+    next_judgement_ = now + kJudgementPeriod;
+    judge();
+}
+
+// A fault is logged if two judgements in a row agree.
+void CoherenceWatcher::judge() {
+    const coherence::Report report = coherence_.judge();
+    std::string key;
+    if (report.fault)
+        key = fmt::format("{} {}", static_cast<int>(report.verdict), report.fault->camera);
+    const bool is_again = !key.empty() && key == last_key_;
+    last_key_ = key;
+    if (!is_again) return;
+    const auto now = Clock::now();
+    if (key == reported_key_ && reported_ && now - *reported_ < kRepeatFault) return;
+    reported_ = now;
+    reported_key_ = key;
+    app::log::warn("{}", text_of(report));
+}
+
+std::string CoherenceWatcher::text_of(const coherence::Report& report) const {
+    const coherence::NamedFault& fault = *report.fault;
+    const std::string& name = cameras_[fault.camera].name;
+    if (report.verdict == coherence::Verdict::kLate)
+        return fmt::format("camera_late camera={} instants={:.1f} reason=\"{}\"",
+                           name,
+                           fault.late_instants,
+                           coherence::late_text(fault, name, rate_hz_));
+    return fmt::format(
+        "camera_moved camera={} effect_px={:.1f} coherence_px={:.2f} reason=\"{} {} since the "
+        "calibration: fix it, record a person who walks through the room, and mend the rig with "
+        "`calibrate refine {} --camera {} --recording DIR -o mended.toml`\"",
+        name,
+        fault.effect_px,
+        report.rms_px,
+        name,
+        coherence::motion_text(fault),
+        rig_name_,
+        name);
+}
+
+void CoherenceWatcher::finish() {
+    if (!thread_.joinable()) return;
+    thread_.request_stop();
+    thread_.join();
+    const coherence::Report report = coherence_.judge();
+    if (report.verdict == coherence::Verdict::kTooLittle) return;
+    std::size_t worst = 0;
+    for (std::size_t i = 0; i < report.cameras.size(); ++i)
+        if (report.cameras[i].rms_px > report.cameras[worst].rms_px) worst = i;
+    app::log::info("coherence looks={} rms_px={:.2f} worst={}:{:.2f} cpu_s={:.2f}",
+                   num_looks_,
+                   report.rms_px,
+                   cameras_[worst].name,
+                   report.cameras[worst].rms_px,
+                   cpu_s_);
+}
+
+}  // namespace atrium::site_node

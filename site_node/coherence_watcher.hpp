@@ -1,0 +1,67 @@
+#pragma once
+
+#include "core/base/latest_slot.hpp"
+#include "site_node/coherence/coherence.hpp"
+#include "site_node/views/named_view.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace atrium::site_node {
+
+/// Watches whether the cameras of a running site are still where its rig says, in a thread of the
+/// lowest priority, and logs which one was moved or is late. Costs the stages of the pipeline
+/// copies of the contours of two metaframes in a row, twice a second.
+class CoherenceWatcher {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// `rig_name`: for the command that mends it. Fewer than three cameras are not watched.
+    CoherenceWatcher(std::vector<geometry::CalibratedCamera> cameras,
+                     double rate_hz,
+                     std::string rig_name);
+    ~CoherenceWatcher();
+
+    /// True if it wants the contours of metaframe `frame_id`. One caller.
+    bool wants(std::uint64_t frame_id, Clock::time_point now);
+    /// Hands over what it wants, of the cameras that delivered.
+    void put(std::uint64_t frame_id, std::vector<views::NamedView> views);
+
+    /// Ends the thread and logs the summary. Later calls do nothing.
+    void finish();
+
+private:
+    struct Pair {
+        std::vector<views::NamedView> now, before;
+    };
+    void run(std::stop_token stop);
+    void look(const Pair& pair);
+    void judge();
+    std::vector<coherence::SilhouetteHull> hulls_of(
+        const std::vector<views::NamedView>& views) const;
+    std::string text_of(const coherence::Report& report) const;
+
+    const std::vector<geometry::CalibratedCamera> cameras_;
+    const double rate_hz_;
+    const std::string rig_name_;
+    // of the caller
+    Clock::time_point due_{};
+    std::optional<std::uint64_t> before_id_;
+    std::vector<views::NamedView> before_;
+    // of the thread, and after its end of `finish`
+    coherence::Coherence coherence_;
+    std::size_t num_looks_ = 0;
+    Clock::time_point next_judgement_{};
+    std::string last_key_;  // of the fault that the last judgement found
+    std::optional<Clock::time_point> reported_;
+    std::string reported_key_;
+    double cpu_s_ = 0.0;
+    LatestSlot<Pair> slot_;
+    std::jthread thread_;  // last: uses the members above
+};
+
+}  // namespace atrium::site_node

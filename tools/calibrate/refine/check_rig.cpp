@@ -1,0 +1,131 @@
+#include "tools/calibrate/refine/check_rig.hpp"
+
+#include "site_node/coherence/coherence.hpp"
+#include "site_node/coherence/fault_text.hpp"
+#include "site_node/rig_check/diagnosis.hpp"
+#include "site_node/rig_check/rig_geometry.hpp"
+#include "tools/calibrate/refine/refine.hpp"
+
+#include <fmt/format.h>
+
+#include <numeric>
+
+namespace atrium::calibrate {
+namespace {
+
+using coherence::Verdict;
+
+// A rig is no longer true as a whole if a refinement would halve errors of this size.
+constexpr double kDoubtful_px = 0.8;
+constexpr double kMuchBetter = 0.5;
+
+// Whether other poses of all cameras explain the silhouettes of held-out instants much better.
+std::string doubt_of_whole(const config::Rig& rig,
+                           const Take& take,
+                           const coherence::Report& report) {
+    if (report.rms_px < kDoubtful_px) return {};
+    const auto refined = refine(rig.cameras, take.sights, {});
+    if (!refined || refined->held_out.empty() ||
+        refined->after.held_out > kMuchBetter * refined->before.held_out)
+        return {};
+    return fmt::format(
+        "the rig is no longer true: silhouettes differ by {:.2f} px, by {:.2f} px with other poses "
+        "of its cameras",
+        refined->before.held_out,
+        refined->after.held_out);
+}
+
+void check_coverage(const config::Rig& rig, const Take& take, RigCheck& check) {
+    std::vector<std::size_t> all(take.sights.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const double coverage = coverage_of(take, all, rig.cameras);
+    check.told.push_back(
+        fmt::format("coverage: the hull explains {:.1f} % of the silhouettes", 100.0 * coverage));
+    if (coverage >= rig_check::kPoorShare || take.views.empty()) return;
+    const auto diagnosis = rig_check::diagnose(take.views[take.views.size() / 2], {});
+    check.problems.push_back(diagnosis ? diagnosis->text
+                                       : "the silhouettes contradict each other at some instants: "
+                                         "look at them with `site_node --preview`");
+}
+
+}  // namespace
+
+void check_geometry(const config::Rig& rig, RigCheck& check) {
+    for (const rig_check::Finding& finding : rig_check::check_rig(rig.cameras, rig.unit_m))
+        (finding.is_error ? check.problems : check.checks).push_back(finding.text);
+}
+
+void check_silhouettes(const config::Rig& rig,
+                       const Take& take,
+                       const std::string& rig_name,
+                       const std::string& recording_name,
+                       RigCheck& check) {
+    coherence::Coherence coherence(rig.cameras, take.sights.size());
+    for (const coherence::Sight& sight : take.sights) coherence.add(sight);
+    const coherence::Report report = coherence.judge();
+    check.told.push_back(fmt::format("coherence: {:.2f} px, at {} instants with somebody who moves",
+                                     report.rms_px,
+                                     report.num_sights));
+    for (std::size_t c = 0; c < report.cameras.size(); ++c) {
+        const coherence::CameraCoherence& camera = report.cameras[c];
+        check.told.push_back(
+            fmt::format("camera '{}': {:.2f} px; {:.0f} % of {} tangents within "
+                        "{:.0f} px",
+                        rig.cameras[c].name,
+                        camera.rms_px,
+                        100.0 * camera.share,
+                        camera.num_tangencies,
+                        coherence::kFits_px));
+    }
+    check_coverage(rig, take, check);
+    const auto mend = [&](const std::string& option) {
+        return fmt::format("`calibrate refine {} {}--recording {} -o mended.toml`",
+                           rig_name,
+                           option,
+                           recording_name);
+    };
+    switch (report.verdict) {
+        case Verdict::kCoherent:
+            if (const std::string doubt = doubt_of_whole(rig, take, report); !doubt.empty())
+                check.problems.push_back(fmt::format(
+                    "{}: several cameras were moved, or the calibration was coarse: mend the rig "
+                    "with {}",
+                    doubt,
+                    mend("")));
+            return;
+        case Verdict::kTooLittle:
+            check.checks.push_back(
+                fmt::format("{} instants with somebody who moves, seen by three cameras, are too "
+                            "few to judge them; record a person who walks through the room, {} "
+                            "instants or more",
+                            report.num_sights,
+                            coherence::Coherence::kLeastSights));
+            return;
+        case Verdict::kIncoherent:
+            check.problems.push_back(fmt::format(
+                "the silhouettes contradict the rig by {:.1f} px, and no single camera explains "
+                "it: {} mends cameras that are off by up to 1 degree and 3 cm; else calibrate "
+                "again",
+                report.rms_px,
+                mend("")));
+            return;
+        case Verdict::kMoved: {
+            const std::string& name = rig.cameras[report.fault->camera].name;
+            check.problems.push_back(fmt::format(
+                "camera '{}' {} since the calibration ({:.1f} px in its pictures; {:.2f} px remain "
+                "without it): fix it, and mend the rig with {}",
+                name,
+                coherence::motion_text(*report.fault),
+                report.fault->effect_px,
+                report.fault->rms_after_px,
+                mend(fmt::format("--camera {} ", name))));
+            return;
+        }
+        case Verdict::kLate:
+            check.problems.push_back(coherence::late_text(
+                *report.fault, rig.cameras[report.fault->camera].name, take.rate_hz));
+            return;
+    }
+}
+
+}  // namespace atrium::calibrate
