@@ -15,7 +15,7 @@
 #include "core/base/executor.hpp"
 #include "core/base/fnv1a.hpp"
 #include "core/gl/offscreen_context.hpp"
-#include "site_node/source/camera_config.hpp"
+#include "site_node/config.hpp"
 #include "site_node/source/open_source.hpp"
 #include "viewer/receive/person_decoder.hpp"
 #include "viewer/renderer/scene_renderer.hpp"

@@ -206,18 +206,17 @@ TEST_F(Tallying, LeavesOutLampsThatStay) {
 
 TEST_F(Tallying, EndsWhenEachCameraHasEnoughEverywhere) {
     begin(2);
-    int i = 0;
-    const auto sweep_to = [&](double low, double high) {
+    const auto sweep_to = [&](double low, double high, double right) {
         for (double y = low; y < high; y += 30.0)
-            for (double x = 10.0; x < 630.0; x += 60.0, ++i)
+            for (double x = 10.0; x < right; x += 30.0)
                 show({lights_at(wand_at(x, y)), lights_at(wand_at(x, 120.0 + 0.5 * y))});
     };
-    sweep_to(10.0, 130.0);
+    sweep_to(10.0, 130.0, 320.0);
     EXPECT_GE(tally_->num_instants(), 40U);
     EXPECT_FALSE(tally_->is_complete());
     EXPECT_THAT(tally_->progress(), HasSubstr("sweep: 40 of 40 instants"));
     EXPECT_THAT(tally_->need_of(0), HasSubstr("% of its picture, sweep its lower left"));
-    sweep_to(130.0, 410.0);
+    sweep_to(130.0, 410.0, 630.0);
     EXPECT_TRUE(tally_->is_complete());
     EXPECT_EQ(tally_->need_of(0), "");
     EXPECT_THAT(tally_->progress(), HasSubstr("enough: cam0, cam1"));
