@@ -16,8 +16,6 @@ namespace atrium::site_node {
 namespace {
 
 constexpr auto kSightPeriod = std::chrono::milliseconds(500);
-constexpr auto kJudgementPeriod = std::chrono::seconds(5);
-constexpr auto kRepeatFault = std::chrono::minutes(10);
 constexpr int kLeastPriority = 19;  // of nice(2); on Linux per thread
 
 double thread_cpu_s() {
@@ -34,7 +32,7 @@ CoherenceWatcher::CoherenceWatcher(std::vector<geometry::CalibratedCamera> camer
     : cameras_(std::move(cameras)),
       rate_hz_(rate_hz),
       rig_name_(std::move(rig_name)),
-      coherence_(cameras_),
+      watch_(cameras_),
       thread_([this](std::stop_token stop) { run(stop); }) {
     pthread_setname_np(thread_.native_handle(), "coherence");
 }
@@ -89,28 +87,8 @@ void CoherenceWatcher::look(const Pair& pair) {
     coherence::Sight sight;
     sight.now = hulls_of(pair.now);
     if (!pair.before.empty()) sight.before = hulls_of(pair.before);
-    coherence_.add(sight);
-    ++num_looks_;
-    const auto now = Clock::now();
-    if (now < next_judgement_) return;
-    next_judgement_ = now + kJudgementPeriod;
-    judge();
-}
-
-// A fault is logged if two judgements in a row agree.
-void CoherenceWatcher::judge() {
-    const coherence::Report report = coherence_.judge();
-    std::string key;
-    if (report.fault)
-        key = fmt::format("{} {}", static_cast<int>(report.verdict), report.fault->camera);
-    const bool is_again = !key.empty() && key == last_key_;
-    last_key_ = key;
-    if (!is_again) return;
-    const auto now = Clock::now();
-    if (key == reported_key_ && reported_ && now - *reported_ < kRepeatFault) return;
-    reported_ = now;
-    reported_key_ = key;
-    app::log::warn("{}", text_of(report));
+    if (const auto report = watch_.look(sight, Clock::now()))
+        app::log::warn("{}", text_of(*report));
 }
 
 std::string CoherenceWatcher::text_of(const coherence::Report& report) const {
@@ -138,13 +116,13 @@ void CoherenceWatcher::finish() {
     if (!thread_.joinable()) return;
     thread_.request_stop();
     thread_.join();
-    const coherence::Report report = coherence_.judge();
+    const coherence::Report report = watch_.judge();
     if (report.verdict == coherence::Verdict::kTooLittle) return;
     std::size_t worst = 0;
     for (std::size_t i = 0; i < report.cameras.size(); ++i)
         if (report.cameras[i].rms_px > report.cameras[worst].rms_px) worst = i;
     app::log::info("coherence looks={} rms_px={:.2f} worst={}:{:.2f} cpu_s={:.2f}",
-                   num_looks_,
+                   watch_.num_looks(),
                    report.rms_px,
                    cameras_[worst].name,
                    report.cameras[worst].rms_px,

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/base/latest_slot.hpp"
-#include "site_node/coherence/coherence.hpp"
+#include "site_node/coherence/coherence_watch.hpp"
 #include "site_node/views/named_view.hpp"
 
 #include <chrono>
@@ -40,7 +40,6 @@ private:
     };
     void run(std::stop_token stop);
     void look(const Pair& pair);
-    void judge();
     std::vector<coherence::SilhouetteHull> hulls_of(
         const std::vector<views::NamedView>& views) const;
     std::string text_of(const coherence::Report& report) const;
@@ -53,12 +52,7 @@ private:
     std::optional<std::uint64_t> before_id_;
     std::vector<views::NamedView> before_;
     // of the thread, and after its end of `finish`
-    coherence::Coherence coherence_;
-    std::size_t num_looks_ = 0;
-    Clock::time_point next_judgement_{};
-    std::string last_key_;  // of the fault that the last judgement found
-    std::optional<Clock::time_point> reported_;
-    std::string reported_key_;
+    coherence::CoherenceWatch watch_;
     double cpu_s_ = 0.0;
     LatestSlot<Pair> slot_;
     std::jthread thread_;  // last: uses the members above

@@ -68,10 +68,10 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_of(std::size_t num_ca
 /// exact to first order, because an envelope's tangent point moves along the tangent.
 ///
 /// Frontier points and tangency error: Hernandez, Schmitt, Cipolla, "Silhouette coherence for
-/// camera calibration under circular motion" (PAMI 2007); Ben-Artzi et al., "Camera calibration
-/// from dynamic silhouettes using motion barcodes" (2016). We differ: no outline's interior is
-/// used, errors are measured as angles between planes and divided by their sensitivity to a pixel
-/// in both pictures, and each frontier point is confirmed by the other cameras.
+/// camera calibration under circular motion" (PAMI 2007); Ben-Artzi, "Camera calibration by
+/// global constraints on the motion of silhouettes" (ICCV 2017). We differ: no outline's interior
+/// is used, errors are measured as angles between planes and divided by their sensitivity to a
+/// pixel in both pictures, and each frontier point is confirmed by the other cameras.
 void find_tangencies(std::span<const geometry::CalibratedCamera> cameras,
                      const Sight& sight,
                      std::uint32_t number,

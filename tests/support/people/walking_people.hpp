@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -27,6 +29,7 @@ public:
     /// the silhouettes of a body that these points span.
     std::vector<Eigen::Vector3d> points(double time_s, std::size_t every = 4) const;
 
+    std::size_t size() const { return people_.size(); }
     /// All vertices of person `index`, and the triangles of every person's skin.
     std::vector<Eigen::Vector3d> skin(std::size_t index, double time_s) const;
     const std::vector<std::array<std::uint32_t, 3>>& triangles(std::size_t index) const {

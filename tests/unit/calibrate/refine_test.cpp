@@ -1,6 +1,7 @@
 #include "tools/calibrate/refine/refine.hpp"
 
 #include "site_node/coherence/coherence.hpp"
+#include "tests/support/people/masked_walk.hpp"
 #include "tests/support/people/walk_film.hpp"
 #include "tests/support/people/walking_people.hpp"
 #include "tests/support/random.hpp"
@@ -97,6 +98,25 @@ TEST(Refine, MendsAWholeRigThatIsOneDegreeAndThreeCentimetresOff) {
         EXPECT_LT(refined->weakest_mm, 5.0);
         EXPECT_LT(refined->weakest_deg, 0.1);
     }
+}
+
+// Masks of whole pixels, and the outlines that a site makes of them.
+TEST(Refine, MendsARigFromMasks) {
+    test::Random random(1);
+    const auto truth = true_rig();
+    auto start = truth;
+    for (auto& camera : start) camera = off(random, camera, 1.0, 0.03);
+    const test::WalkingPeople people({.seed = 4});
+    std::vector<coherence::Sight> sights;
+    for (int i = 0; i < (test::kSanitized ? 20 : 50); ++i)
+        sights.push_back(test::masked_sight(people, 0.5 * i, truth));
+    const auto refined = refine(start, sights, {});
+    ASSERT_TRUE(refined) << refined.error().message;
+    EXPECT_LT(refined->after.held_out, 0.5);
+    const Distance distance = distance_of(laid_on(refined->cameras, truth), truth);
+    EXPECT_LT(distance.most_mm, 3.0);
+    EXPECT_LT(distance.most_deg, 0.1);
+    RecordProperty("most_um", static_cast<int>(1000.0 * distance.most_mm));
 }
 
 TEST(Refine, LeavesTheOtherCamerasIfOneMoved) {

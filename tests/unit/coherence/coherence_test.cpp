@@ -1,5 +1,7 @@
 #include "site_node/coherence/coherence.hpp"
 
+#include "site_node/coherence/coherence_watch.hpp"
+#include "site_node/coherence/fault_text.hpp"
 #include "tests/support/people/walk_film.hpp"
 #include "tests/support/people/walking_people.hpp"
 #include "tests/support/sanitized.hpp"
@@ -7,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -184,6 +187,50 @@ TEST(Coherence, NeedsSomebodyWhoMoves) {
     const Report report = coherence.judge();
     EXPECT_EQ(report.verdict, Verdict::kTooLittle);
     EXPECT_EQ(report.num_sights, 1u);
+}
+
+TEST(CoherenceWatch, TellsOfABumpWithinHalfAMinuteAndOnce) {
+    const WalkFilm film(3);
+    Filming filming{rig()};
+    CoherenceWatch watch(rig());
+    CoherenceWatch::Clock::time_point now{};
+    const auto look = [&](std::size_t i) {
+        now += std::chrono::milliseconds(500);
+        return watch.look(film.sight(i % film.num_looks(), filming), now);
+    };
+    for (std::size_t i = 0; i < 60; ++i) EXPECT_FALSE(look(i));
+    filming.truth[6] = test::bumped(
+        filming.truth[6], Eigen::Vector3d(0.0, 0.0, 0.2 * std::numbers::pi / 180.0), {0, 0, 0});
+    std::vector<std::size_t> told;
+    for (std::size_t i = 60; i < 180; ++i) {
+        const auto report = look(i);
+        if (!report) continue;
+        told.push_back(i - 60);
+        EXPECT_EQ(report->verdict, Verdict::kMoved);
+        EXPECT_EQ(report->fault->camera, 6u);
+        EXPECT_EQ(motion_text(*report->fault).substr(0, 11), "turned by 0");
+    }
+    ASSERT_EQ(told.size(), 1u);
+    EXPECT_LE(told.front(), 60u);
+    // and again after ten minutes
+    now += CoherenceWatch::kRepeat;
+    std::size_t num_again = 0;
+    for (std::size_t i = 180; i < 220; ++i) num_again += look(i) ? 1 : 0;
+    EXPECT_EQ(num_again, 1u);
+}
+
+TEST(FaultText, SaysWhatIsCertain) {
+    NamedFault fault;
+    EXPECT_EQ(motion_text(fault), "turned or moved a little");
+    fault.turned_deg = 0.2;
+    EXPECT_EQ(motion_text(fault), "turned by 0.20 degrees");
+    fault.moved_mm = 10.0;
+    EXPECT_EQ(motion_text(fault), "turned by 0.20 degrees and moved by 10 mm");
+    fault.is_either = true;
+    EXPECT_EQ(motion_text(fault), "turned by 0.20 degrees or moved by 10 mm");
+    fault.late_instants = -0.4;
+    EXPECT_NE(late_text(fault, "north", 20.0).find("'north' is early by 0.4 instants (20 ms)"),
+              std::string::npos);
 }
 
 TEST(Coherence, TakesAnything) {

@@ -95,7 +95,7 @@ RefinedVerdict judge_refined(const Refined& refined,
     if (refined.weakest_deg > kWeak_deg || refined.weakest_mm > kWeak_mm)
         verdict.problems.push_back(
             fmt::format("the silhouettes do not determine the cameras: one could turn by {:.2f} "
-                        "degrees or move by {:.0f} mm unnoticed; {}{}",
+                        "degrees or move by {:.0f} mm and more unnoticed; {}{}",
                         refined.weakest_deg,
                         refined.weakest_mm,
                         kWalk,

@@ -329,12 +329,15 @@ private:
         if (n <= frame) return;
         const double least = std::max(1e-12, solver.eigenvalues()[frame]);
         const Eigen::VectorXd direction = solver.eigenvectors().col(frame) / std::sqrt(least);
+        constexpr double kMost_deg = 10.0, kMost_mm = 1000.0;
         for (Eigen::Index at = 0; at < n; at += 6) {
             result.weakest_deg =
                 std::max(result.weakest_deg, 0.1 * direction.segment<3>(at).norm());
             result.weakest_mm =
                 std::max(result.weakest_mm, 1000.0 * kMove_m * direction.segment<3>(at + 3).norm());
         }
+        result.weakest_deg = std::min(result.weakest_deg, kMost_deg);
+        result.weakest_mm = std::min(result.weakest_mm, kMost_mm);
     }
 
     std::vector<geometry::CalibratedCamera> start_;

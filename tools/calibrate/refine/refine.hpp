@@ -28,7 +28,7 @@ struct Refined {
     std::size_t num_tangencies = 0;     // that were used
     std::vector<std::size_t> held_out;  // numbers of these sights
     /// Uncertainty of what the silhouettes show least, over all free cameras: of a turn [deg] and a
-    /// motion [mm] together. Large if the person moved too little.
+    /// motion [mm] together. Large if the person moved too little; at most 10 and 1000.
     double weakest_deg = 0.0, weakest_mm = 0.0;
 };
 
