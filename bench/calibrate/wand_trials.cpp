@@ -132,8 +132,10 @@ const std::vector<Fault>& faults() {
                  SweepOptions bumped = run.options;
                  bumped.change = [&](std::vector<geometry::CalibratedCamera>& cameras) {
                      auto& pose = cameras[run.camera].camera_from_site;
-                     pose.rotation =
-                         Eigen::AngleAxisd(0.02, Eigen::Vector3d(0.6, 0.8, 0.0)) * pose.rotation;
+                     const Eigen::AngleAxisd turn(0.01, Eigen::Vector3d(0.6, 0.8, 0.0));
+                     pose = geometry::RigidTransform{Eigen::Quaterniond(turn),
+                                                     Eigen::Vector3d::Zero()} *
+                            pose;
                  };
                  replace_points(room, bumped, run.camera, run.options.num_instants / 2);
              };
