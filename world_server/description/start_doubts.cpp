@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace atrium::world_server {
 namespace {
@@ -247,6 +248,29 @@ void doubt_anchors(const WorldDescription& world, std::vector<std::string>& line
         if (nearest_m > kFarAnchor_m) {
             doubt("anchor_m", joint.anchor_m, nearest_m, "both objects");
             continue;
+        }
+        // near neither, but at both if it is meant in the frame of one of them
+        const auto meant = [&](const WorldObject& frame) {
+            const Eigen::Vector3d place_m = frame.rigid.world_from_object * joint.anchor_m;
+            return distance_m(place_m, a->rigid) <= kNearAnchor_m &&
+                           distance_m(place_m, b->rigid) <= kNearAnchor_m
+                       ? std::optional(place_m)
+                       : std::nullopt;
+        };
+        if (nearest_m > kNearAnchor_m && joint.kind != physics::JointKind::kSlider) {
+            const auto in_a = meant(*a);
+            const auto place_m = in_a ? in_a : meant(*b);
+            if (place_m) {
+                doubt("anchor_m",
+                      joint.anchor_m,
+                      nearest_m,
+                      "both objects",
+                      fmt::format("; meant in {}, it is [{:.4g}]",
+                                  in_a ? a->name : b->name,
+                                  fmt::join(*place_m, ", "))
+                          .c_str());
+                continue;
+            }
         }
         const WorldObject* near = from_a_m < from_b_m ? a : b;
         const WorldObject* far = near == a ? b : a;

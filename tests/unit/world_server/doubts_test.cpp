@@ -247,6 +247,20 @@ TEST_F(WorldDoubts, NameAnAnchorInTheFrameOfItsObject) {
     EXPECT_THAT(doubts(near_hinge + "anchor_m = [0.01, 0, 0]\n"), IsEmpty()) << "meant so";
 }
 
+TEST_F(WorldDoubts, NameAnAnchorNearTwoObjectsButInTheFrameOfOne) {
+    // a gong of 0.8 m below a beam
+    const std::string gong = box("gong", 5, "position_m = [0, 0, 0.8]") +
+                             box("beam", 0, "position_m = [0, 0, 1.25]") +
+                             "[[joint]]\na = \"gong\"\nb = \"beam\"\nkind = \"hinge\"\n"
+                             "axis = [1, 0, 0]\nanchor_m = ";
+    EXPECT_THAT(doubts(gong + "[0, 0, 1.02]\n"), IsEmpty());
+    EXPECT_THAT(doubts(gong + "[0, 0, 0.22]\n"),
+                ElementsAre(HasSubstr("anchor_m [0, 0, 0.22] is 0.38 m away from both objects; it "
+                                      "is a place in the world, not in an object; meant in gong, "
+                                      "it is [0, 0, 1.02]")));
+    EXPECT_THAT(doubts(gong + "[0.35, 0, 0.2]\n"), IsEmpty()) << "at neither in any frame";
+}
+
 TEST_F(WorldDoubts, NameGravityThatDoesNotPointDown) {
     EXPECT_THAT(doubts("[world]\ngravity = [0, -9.81, 0]\n"),
                 ElementsAre(HasSubstr("world_looks_wrong reason=\"gravity [0, -9.81, 0] does not "
