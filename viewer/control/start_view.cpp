@@ -71,6 +71,10 @@ renderer::ViewCamera view_of_people(const FollowCamera::Places& people,
 std::optional<renderer::ViewCamera> StartView::update(const FollowCamera::Places& people,
                                                       double aspect) {
     if (!is_wanted_) return std::nullopt;
+    // nobody is left of those whom the picture shows: others begin anew
+    const bool is_left = std::ranges::none_of(
+        framed_, [&](const auto& framed) { return people.contains(framed.first); });
+    if (is_left && !people.empty()) framed_.clear();
     const auto has_place = [](const PersonPlace& place) { return !place.front.isZero(); };
     if (framed_.empty()) {
         if (people.empty() || people.size() < num_people_) return std::nullopt;

@@ -19,7 +19,7 @@ renderer::ViewCamera view_of_people(const FollowCamera::Places& people,
                                     double aspect);
 
 /// Chooses the first viewpoint of a run whose user gave none: once, when the first people are
-/// there. Not thread-safe.
+/// there, and again when all of them have left and others are there. Not thread-safe.
 class StartView {
 public:
     /// Waits for `num_people`, at least one; looks from the side of `usual` if no front is known.

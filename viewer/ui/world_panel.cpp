@@ -110,6 +110,8 @@ void WorldPanel::draw_models(const HudContent& content, SurfaceEvents& events) {
                 continue;
             }
             if (ImGui::Selectable(entry.file.c_str(), entry.file == model_)) {
+                // of another model neither scale nor mass is right
+                if (entry.file != model_) scale_ = mass_kg_ = 1.0f;
                 model_ = entry.file;
                 frames_to_show_ = kFramesToShow;
             }

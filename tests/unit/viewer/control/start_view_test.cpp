@@ -105,6 +105,21 @@ TEST(StartView, IsChosenOnceWhenAllAwaitedPeopleAreThere) {
         << "the user gave a view";
 }
 
+TEST(StartView, IsChosenAgainWhenOthersTakeThePlaceOfThosePeople) {
+    StartView start(kUsualView, 0, true);
+    const FollowCamera::Places first{{"lab", person_at(0.0, 1.8)}};
+    const FollowCamera::Places both{{"lab", person_at(0.0, 1.8)}, {"hall", person_at(0.0, -9.0)}};
+    const FollowCamera::Places second{{"hall", person_at(0.0, -9.0)}};
+    EXPECT_TRUE(start.update(first, kViewAspect));
+    EXPECT_FALSE(start.update({}, kViewAspect));
+    EXPECT_FALSE(start.update(first, kViewAspect)) << "the same one is back";
+    EXPECT_FALSE(start.update(both, kViewAspect)) << "one of two is seen";
+    const auto view = start.update(second, kViewAspect);
+    ASSERT_TRUE(view);
+    EXPECT_NEAR(view->target_m.y(), -9.0, 1e-9);
+    EXPECT_FALSE(start.update(second, kViewAspect));
+}
+
 TEST(StartView, IsChosenAgainWhenTheSiteGetsItsPlace) {
     StartView start(kUsualView, 0, true);
     EXPECT_TRUE(start.update({{"lab", person_at(0.0, 0.0)}}, kViewAspect));
