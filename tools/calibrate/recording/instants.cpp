@@ -219,10 +219,9 @@ std::string doubt_of_lengths(const std::map<std::string, Shots>& frames,
     if (num_shorter > kMaxNamed) shorter += ", ...";
     return fmt::format(
         "instants: the videos have {} to {} pictures: {}. Picture N of every camera is taken as "
-        "one "
-        "instant, so all must begin at the same one; if a camera started late, cut the beginning "
-        "of "
-        "the others",
+        "one instant, so all must begin at the same one; if a camera started late, cut the "
+        "beginning of the others; if it lost pictures in between, a list of times beside the "
+        "videos is not read: give pictures that have their times in their names",
         fewest,
         most,
         shorter);
