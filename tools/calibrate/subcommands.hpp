@@ -17,6 +17,9 @@ using Action = std::function<Expected<void>()>;
 void add_import(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
 void add_wand(CLI::App& app, Action& action);
+void add_board(CLI::App& app, Action& action);
+void add_print_board(CLI::App& app, Action& action);
+void add_floor(CLI::App& app, Action& action);
 
 /// The text for a command line that does not parse, from CLI11's reason: what is unexpected, with
 /// the name that is probably meant, or what is missing, with its meaning.
