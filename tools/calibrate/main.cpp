@@ -15,6 +15,9 @@ int main(int argc, char** argv) {
     calibrate::add_wand(app, action);
     calibrate::add_refine(app, action);
     calibrate::add_check(app, action);
+    calibrate::add_board(app, action);
+    calibrate::add_print_board(app, action);
+    calibrate::add_floor(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

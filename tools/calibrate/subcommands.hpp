@@ -19,6 +19,9 @@ void add_export(CLI::App& app, Action& action);
 void add_wand(CLI::App& app, Action& action);
 void add_refine(CLI::App& app, Action& action);
 void add_check(CLI::App& app, Action& action);
+void add_board(CLI::App& app, Action& action);
+void add_print_board(CLI::App& app, Action& action);
+void add_floor(CLI::App& app, Action& action);
 
 /// The text for a command line that does not parse, from CLI11's reason: what is unexpected, with
 /// the name that is probably meant, or what is missing, with its meaning.

@@ -281,7 +281,7 @@ Expected<void> adjust(Bundle& bundle, const AdjustOptions& options) {
     for (std::size_t i = 0; i < camera_is_in.size(); ++i) {
         if (camera_is_in[i] == 0) continue;
         BundleCamera& camera = bundle.cameras[i];
-        if (options.lens == LensFreedom::kFixed) {
+        if (options.lens == LensFreedom::kFixed || options.are_cameras_fixed) {
             problem.SetParameterBlockConstant(camera.lens.data());
         } else {
             problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LensPrior, 8, 8>(new LensPrior{
@@ -291,7 +291,8 @@ Expected<void> adjust(Bundle& bundle, const AdjustOptions& options) {
             if (!fixed.empty())
                 problem.SetManifold(camera.lens.data(), new ceres::SubsetManifold(8, fixed));
         }
-        if (is_first) problem.SetParameterBlockConstant(camera.pose.data());
+        if (is_first || options.are_cameras_fixed)
+            problem.SetParameterBlockConstant(camera.pose.data());
         is_first = false;
         ordering->AddElementToGroup(camera.pose.data(), 1);
         ordering->AddElementToGroup(camera.lens.data(), 1);

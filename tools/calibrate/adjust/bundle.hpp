@@ -42,7 +42,8 @@ struct WandPose {
     bool is_placed = false;
 };
 
-/// Cameras that saw a wand in motion, and all that is adjusted.
+/// Cameras that saw a wand in motion, and all that is adjusted. Calibration boards take its place
+/// in the same way (tools/calibrate/board/views.hpp).
 struct Bundle {
     Wand wand;
     std::vector<BundleCamera> cameras;
@@ -64,6 +65,7 @@ struct AdjustOptions {
     double robust_px = 1.0;  // errors beyond this count less (Cauchy); 0: all count alike
     int max_iterations = 50;
     int num_threads = 1;
+    bool are_cameras_fixed = false;  // only the wands are adjusted
 };
 
 /// Lowers the reprojection error of all used sightings of placed cameras and wands, over their

@@ -1,0 +1,159 @@
+#include "core/base/thread_pool.hpp"
+#include "tools/calibrate/board/film_boards.hpp"
+#include "tools/calibrate/board/judge_board.hpp"
+#include "tools/calibrate/board/solve_board.hpp"
+#include "tools/calibrate/calibrated_rig.hpp"
+#include "tools/calibrate/frame_options.hpp"
+#include "tools/calibrate/subcommands.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+namespace atrium::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BoardCommand {
+    fs::path folder;
+    fs::path board;
+    std::vector<std::string> cameras;
+    std::size_t most_instants = 300;
+    bool has_third = false;
+    bool force = false;
+    bool has_rate = false;
+    int threads = 0;  // 0: one per processor
+    fs::path output;
+    Said said;
+};
+
+Expected<void> run_board(BoardCommand options) {
+    std::error_code failure;
+    if (!options.force && fs::exists(options.output, failure))
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: exists already; give another -o, or --force to replace "
+                                      "it",
+                                      options.output.string()));
+    std::vector<Board> boards{Board{}};
+    if (!options.board.empty()) {
+        auto loaded = load_boards(options.board);
+        if (!loaded) return tl::unexpected(loaded.error());
+        boards = std::move(*loaded);
+    }
+    const int num_threads =
+        options.threads > 0 ? options.threads
+                            : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    BoardOptions how;
+    how.lens = options.has_third ? LensFreedom::kAllAndThird : LensFreedom::kAll;
+    how.num_threads = num_threads;
+    Expected<BoardFilm> film = BoardFilm{};
+    Expected<BoardSolution> solution = BoardSolution{};
+    {
+        ProgressLine progress;
+        FilmOptions filming;
+        filming.cameras = options.cameras;
+        filming.most_instants = options.most_instants;
+        filming.progress = [&](std::size_t done, std::size_t all) {
+            progress.show(fmt::format("looking for boards: {} of {} pictures", done, all));
+        };
+        ThreadPool pool(static_cast<std::size_t>(num_threads));
+        film = film_boards(options.folder, boards, filming, pool);
+        if (!film) return tl::unexpected(film.error());
+        if (film->points.size() < 2)
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("{}: has pictures of one camera; a rig has two or more",
+                                          options.folder.string()));
+        if (const std::string twins = same_board_pictures(film->points); !twins.empty())
+            return make_error(ErrorKind::kInvalidData, twins);
+        how.report = [&](const std::string& step) { progress.show(step); };
+        solution = solve_board(boards, film->points, how);
+    }
+    if (!solution) return tl::unexpected(solution.error());
+    const double rate_hz = !options.has_rate && film->rate_hz > 0.0
+                               ? film->rate_hz
+                               : options.said.rate_hz / static_cast<double>(film->step);
+    options.said.rate_hz = rate_hz * static_cast<double>(film->step);
+    const Verdict verdict = judge_board(*solution, rate_hz);
+    const auto conclusion =
+        conclude(as_foreign(solution->rig.bundle, "the board", true), options.said);
+    if (!conclusion) return tl::unexpected(conclusion.error());
+    RigReport report{fmt::format("Calibrated from {} by `calibrate board`, with {}.",
+                                 options.folder.string(),
+                                 boards.front().text()),
+                     verdict.told,
+                     film->checks,
+                     verdict.problems};
+    const auto add = [](std::vector<std::string>& to, const std::vector<std::string>& from) {
+        to.insert(to.end(), from.begin(), from.end());
+    };
+    add(report.told, conclusion->told);
+    add(report.checks, verdict.checks);
+    add(report.checks, conclusion->checks);
+    add(report.problems, conclusion->problems);
+    return print_and_write(report, conclusion->rig, options.output, options.force);
+}
+
+}  // namespace
+
+void add_board(CLI::App& app, Action& action) {
+    auto options = std::make_shared<BoardCommand>();
+    CLI::App* command = app.add_subcommand(
+        "board",
+        "makes a rig.toml from pictures of a calibration board that was shown to all cameras");
+    command->footer(
+        "Examples:\n"
+        "  calibrate board take1 -o lab.toml\n"
+        "  calibrate board take1 --board board.toml --k3 -o lab.toml\n"
+        "The default board is the one that `calibrate print-board` makes without options.\n"
+        "Exit codes: 0 done, 1 a damaged file or a calibration that is wrong, 2 wrong command line "
+        "or file, 3 a file is missing or cannot be written.");
+    command
+        ->add_option("folder",
+                     options->folder,
+                     "recording, or folder with a video or a folder of pictures for each camera")
+        ->required()
+        ->type_name("DIR");
+    command
+        ->add_option("--board",
+                     options->board,
+                     "TOML of the board or boards, as `calibrate print-board` writes it")
+        ->type_name("FILE");
+    command
+        ->add_option("--cameras",
+                     options->cameras,
+                     "names of the cameras, which their videos or folders have; default: all that "
+                     "are found")
+        ->type_name("NAME,...")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    command
+        ->add_option("--instants",
+                     options->most_instants,
+                     "look at this many instants at most, spread over the recording")
+        ->check(CLI::Range(10, 100000))
+        ->capture_default_str();
+    command->add_flag("--k3", options->has_third, "also adjust the distortion k3: for wide lenses");
+    command
+        ->add_option_function<double>(
+            "--rate",
+            [options](double rate_hz) {
+                options->said.rate_hz = rate_hz;
+                options->has_rate = true;
+            },
+            "pictures per second; default: of the videos, else 30")
+        ->check(CLI::Range(0.1, 1000.0));
+    command->add_option("--threads", options->threads, "threads; default: one per processor")
+        ->check(CLI::Range(1, 256));
+    add_up_option(*command, options->said);
+    add_distance_options(*command, options->said);
+    command->add_option("-o,--output", options->output, "rig.toml to write")->required();
+    command->add_flag(
+        "--force", options->force, "replace what -o names, and write in spite of problems");
+    command->callback([options, &action] { action = [options] { return run_board(*options); }; });
+}
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,180 @@
+#include "core/base/thread_pool.hpp"
+#include "core/config/rig.hpp"
+#include "tools/calibrate/board/film_boards.hpp"
+#include "tools/calibrate/calibrated_rig.hpp"
+#include "tools/calibrate/floor/find_marks.hpp"
+#include "tools/calibrate/floor/floor_frame.hpp"
+#include "tools/calibrate/subcommands.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <thread>
+
+namespace atrium::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kFloorInstants = 20;  // the board lies still
+
+struct FloorCommand {
+    fs::path rig;
+    fs::path pictures;
+    fs::path points;
+    fs::path board;
+    fs::path wand;
+    double yaw_deg = 0.0;
+    double thickness_mm = 0.0;
+    bool force = false;
+    fs::path output;
+};
+
+Expected<FoundMarks> find_by_board(const FloorCommand& options, const config::Rig& rig) {
+    std::vector<Board> boards{Board{}};
+    if (!options.board.empty()) {
+        auto loaded = load_boards(options.board);
+        if (!loaded) return tl::unexpected(loaded.error());
+        boards = std::move(*loaded);
+    }
+    FilmOptions filming;
+    filming.most_instants = kFloorInstants;
+    filming.least_views = 0;
+    for (const auto& camera : rig.cameras) filming.cameras.push_back(camera.name);
+    ProgressLine progress;
+    filming.progress = [&](std::size_t done, std::size_t all) {
+        progress.show(fmt::format("looking for the board: {} of {} pictures", done, all));
+    };
+    ThreadPool pool(std::max(1U, std::thread::hardware_concurrency()));
+    const auto film = film_boards(options.pictures, boards, filming, pool);
+    if (!film) return tl::unexpected(film.error());
+    return marks_of_board(rig, boards, film->points);
+}
+
+Expected<FoundMarks> find_by_lights(const FloorCommand& options, const config::Rig& rig) {
+    const auto points = load_light_points(options.points);
+    if (!points) return tl::unexpected(points.error());
+    std::optional<Wand> wand;
+    if (!options.wand.empty()) {
+        auto loaded = load_wand(options.wand);
+        if (!loaded) return tl::unexpected(loaded.error());
+        wand = std::move(*loaded);
+    }
+    return marks_of_lights(rig, *points, wand);
+}
+
+Expected<void> run_floor(const FloorCommand& options) {
+    if (options.pictures.empty() == options.points.empty())
+        return make_error(
+            ErrorKind::kConfiguration,
+            "give --pictures of a board that lies on the floor, or --points of lights "
+            "on it");
+    std::error_code failure;
+    if (!options.force && fs::exists(options.output, failure))
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: exists already; give another -o, or --force to replace "
+                                      "it",
+                                      options.output.string()));
+    auto rig = config::load_rig(options.rig);
+    if (!rig) return tl::unexpected(rig.error());
+    const auto found =
+        options.pictures.empty() ? find_by_lights(options, *rig) : find_by_board(options, *rig);
+    if (!found) return tl::unexpected(found.error());
+    const auto frame =
+        floor_frame(found->marks,
+                    rig->cameras,
+                    {options.yaw_deg * std::numbers::pi / 180.0, options.thickness_mm / 1000.0});
+    if (!frame) return tl::unexpected(frame.error());
+    RigReport report{
+        fmt::format("{} with the floor of {}, by `calibrate floor`.",
+                    options.rig.string(),
+                    (options.pictures.empty() ? options.points : options.pictures).string()),
+        found->told,
+        found->checks,
+        found->problems};
+    for (auto& camera : rig->cameras)
+        camera.camera_from_site = camera.camera_from_site * frame->rig_from_floor;
+    const auto height = [](const geometry::CalibratedCamera& camera) {
+        return camera.centre_site().z();
+    };
+    const auto [lowest, highest] = std::ranges::minmax_element(rig->cameras, {}, height);
+    report.told.push_back(fmt::format("floor: {} marks within {:.1f} mm RMS of a plane",
+                                      found->marks.on_floor.size(),
+                                      1000.0 * frame->rms_m));
+    report.told.push_back(fmt::format(
+        "cameras: '{}' is lowest, {:.2f} m above the floor, '{}' highest, {:.2f} m: measure one",
+        lowest->name,
+        height(*lowest),
+        highest->name,
+        height(*highest)));
+    if (frame->num_below > 0)
+        report.checks.push_back(fmt::format(
+            "{} of {} cameras would be below the floor", frame->num_below, rig->cameras.size()));
+    constexpr double kRough_m = 0.01;
+    if (frame->rms_m > kRough_m)
+        report.checks.push_back(
+            "the marks are centimetres off a plane: is the floor flat, and do "
+            "all of them lie on it?");
+    if (rig->has_bounds)
+        report.checks.push_back(
+            "[bounds] of the rig are left out: they were those of another frame");
+    rig->bounds_site = {};
+    return print_and_write(report, *rig, options.output, options.force);
+}
+
+}  // namespace
+
+void add_floor(CLI::App& app, Action& action) {
+    auto options = std::make_shared<FloorCommand>();
+    CLI::App* command = app.add_subcommand(
+        "floor", "gives a rig.toml the frame of its room, from a board or lights on the floor");
+    command->footer(
+        "Examples:\n"
+        "  calibrate floor lab.toml --pictures floor --board board.toml --thickness-mm 5 -o "
+        "lab2.toml\n"
+        "  calibrate floor lab.toml --points floor.csv -o lab2.toml\n"
+        "  calibrate floor lab.toml --points floor.csv --wand wand.toml --yaw-deg 90 -o lab2.toml\n"
+        "The board's origin is the corner of its pattern at the bottom left, with +X to the right. "
+        "Lights: 0 is the origin, 1 lies on +X, 2 on the side of +Y.\n"
+        "Exit codes: 0 done, 1 a damaged file or a floor that is wrong, 2 wrong command line or "
+        "file, 3 a file is missing or cannot be written.");
+    command->add_option("rig", options->rig, "rig.toml, or the folder that has one")
+        ->required()
+        ->type_name("RIG");
+    command
+        ->add_option("--pictures",
+                     options->pictures,
+                     "recording or folder with pictures of the cameras in which the board lies on "
+                     "the floor")
+        ->type_name("DIR");
+    command
+        ->add_option("--points",
+                     options->points,
+                     "CSV of lights on the floor: camera,instant,light,x_px,y_px")
+        ->type_name("FILE");
+    command
+        ->add_option("--board", options->board, "TOML of the board; default: that of print-board")
+        ->type_name("FILE");
+    command->add_option("--wand", options->wand, "TOML of the wand whose lights --points are")
+        ->type_name("FILE");
+    command
+        ->add_option("--yaw-deg",
+                     options->yaw_deg,
+                     "angle of the marks' +X in the room, counter-clockwise seen from above")
+        ->check(CLI::Range(-360.0, 360.0));
+    command
+        ->add_option("--thickness-mm",
+                     options->thickness_mm,
+                     "height of the pattern or lights above the floor")
+        ->check(CLI::Range(0.0, 2000.0));
+    command->add_option("-o,--output", options->output, "rig.toml to write")->required();
+    command->add_flag(
+        "--force", options->force, "replace what -o names, and write in spite of problems");
+    command->callback([options, &action] { action = [options] { return run_floor(*options); }; });
+}
+
+}  // namespace atrium::calibrate
