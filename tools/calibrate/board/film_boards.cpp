@@ -10,6 +10,7 @@
 #include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
 #include <algorithm>
 #include <map>
@@ -177,7 +178,7 @@ private:
         }
     }
 
-    void take(Filmed& filmed, PictureReader::Picture& picture) {
+    void take(Filmed& filmed, PictureReader::Picture& picture) try {
         const GrayPicture& gray = picture.gray;
         if (gray.width != filmed.camera.width || gray.height != filmed.camera.height) {
             fail({ErrorKind::kInvalidData,
@@ -207,6 +208,12 @@ private:
             filmed.samples.push_back(std::move(picture.gray));
         ++num_done_;
         if (options_.progress) options_.progress(num_done_, std::max(num_done_, num_all_));
+    } catch (const cv::Exception& error) {
+        fail({ErrorKind::kInvalidData,
+              fmt::format("camera '{}', picture {}: OpenCV cannot look for boards in it: {}",
+                          filmed.name,
+                          picture.number,
+                          error.what())});
     }
 
     bool has_failed() {

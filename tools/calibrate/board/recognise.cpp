@@ -26,6 +26,7 @@ constexpr std::array kFamilies{"DICT_4X4_1000",
 constexpr std::size_t kMostPictures = 8;
 constexpr std::size_t kFewMarkers = 6;  // over all pictures, that may be chance
 constexpr int kMostColumns = 20;
+constexpr int kRansacTries = 100;  // of a board that is right, half a dozen do
 
 std::string family_of(const std::string& dictionary) {
     for (const char* size : {"4X4", "5X5", "6X6", "7X7"})
@@ -93,7 +94,7 @@ std::size_t num_fitting(const Board& board, const Found& found) {
         }
         if (from.size() < 12) continue;
         std::vector<std::uint8_t> is_inlier;
-        cv::findHomography(from, to, is_inlier, cv::RANSAC, 4.0);
+        cv::findHomography(from, to, cv::RANSAC, 4.0, is_inlier, kRansacTries, 0.99);
         num += static_cast<std::size_t>(std::ranges::count(is_inlier, 1)) / 4;
     }
     return num;
