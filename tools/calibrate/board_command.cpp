@@ -2,8 +2,9 @@
 #include "tools/calibrate/board/film_boards.hpp"
 #include "tools/calibrate/board/judge_board.hpp"
 #include "tools/calibrate/board/solve_board.hpp"
-#include "tools/calibrate/calibrated_rig.hpp"
+#include "tools/calibrate/finish_calibration.hpp"
 #include "tools/calibrate/frame_options.hpp"
+#include "tools/calibrate/progress.hpp"
 #include "tools/calibrate/subcommands.hpp"
 
 #include <fmt/format.h>
@@ -24,20 +25,16 @@ struct BoardCommand {
     std::vector<std::string> cameras;
     std::size_t most_instants = 300;
     bool has_third = false;
-    bool force = false;
     bool has_rate = false;
     int threads = 0;  // 0: one per processor
-    fs::path output;
+    FinishOptions finish;
     Said said;
 };
 
 Expected<void> run_board(BoardCommand options) {
-    std::error_code failure;
-    if (!options.force && fs::exists(options.output, failure))
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("{}: exists already; give another -o, or --force to replace "
-                                      "it",
-                                      options.output.string()));
+    const auto previous =
+        find_previous_rig(options.finish.output, options.finish.frame_of, options.finish.force);
+    if (!previous) return tl::unexpected(previous.error());
     std::vector<Board> boards{Board{}};
     if (!options.board.empty()) {
         auto loaded = load_boards(options.board);
@@ -53,7 +50,7 @@ Expected<void> run_board(BoardCommand options) {
     Expected<BoardFilm> film = BoardFilm{};
     Expected<BoardSolution> solution = BoardSolution{};
     {
-        ProgressLine progress;
+        Progress progress;
         FilmOptions filming;
         filming.cameras = options.cameras;
         filming.most_instants = options.most_instants;
@@ -77,24 +74,14 @@ Expected<void> run_board(BoardCommand options) {
                                ? film->rate_hz
                                : options.said.rate_hz / static_cast<double>(film->step);
     options.said.rate_hz = rate_hz * static_cast<double>(film->step);
-    const Verdict verdict = judge_board(*solution, rate_hz);
-    const auto conclusion =
-        conclude(as_foreign(solution->rig.bundle, "the board", true), options.said);
-    if (!conclusion) return tl::unexpected(conclusion.error());
-    RigReport report{fmt::format("Calibrated from {} by `calibrate board`, with {}.",
-                                 options.folder.string(),
-                                 boards.front().text()),
-                     verdict.told,
-                     film->checks,
-                     verdict.problems};
-    const auto add = [](std::vector<std::string>& to, const std::vector<std::string>& from) {
-        to.insert(to.end(), from.begin(), from.end());
-    };
-    add(report.told, conclusion->told);
-    add(report.checks, verdict.checks);
-    add(report.checks, conclusion->checks);
-    add(report.problems, conclusion->problems);
-    return print_and_write(report, conclusion->rig, options.output, options.force);
+    Verdict verdict = judge_board(*solution, rate_hz);
+    verdict.checks.insert(verdict.checks.begin(), film->checks.begin(), film->checks.end());
+    FinishOptions& finish = options.finish;
+    finish.command = "calibrate board";
+    finish.source = fmt::format("{}, with {}", options.folder.string(), boards.front().text());
+    finish.body = "the board";
+    finish.said = options.said;
+    return finish_calibration(solution->rig, std::move(verdict), *previous, finish);
 }
 
 }  // namespace
@@ -150,9 +137,7 @@ void add_board(CLI::App& app, Action& action) {
         ->check(CLI::Range(1, 256));
     add_up_option(*command, options->said);
     add_distance_options(*command, options->said);
-    command->add_option("-o,--output", options->output, "rig.toml to write")->required();
-    command->add_flag(
-        "--force", options->force, "replace what -o names, and write in spite of problems");
+    add_finish_options(*command, options->finish);
     command->callback([options, &action] { action = [options] { return run_board(*options); }; });
 }
 

@@ -3,42 +3,8 @@
 #include "tools/calibrate/formats/rig_file.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
-
-#include <cstdio>
-#include <utility>
 
 namespace atrium::calibrate {
-
-ForeignRig as_foreign(const Bundle& bundle, const std::string& source, bool has_scale) {
-    ForeignRig rig;
-    rig.format = source;
-    rig.is_sure_of_poses = true;
-    rig.units = "m";
-    rig.has_scale = has_scale;
-    rig.has_frame = false;
-    for (const BundleCamera& camera : bundle.cameras) {
-        ForeignCamera foreign;
-        foreign.name = camera.name;
-        foreign.lens = camera.intrinsics();
-        foreign.has_lens = true;
-        foreign.pose = foreign_pose(camera.camera_from_world(), rig.documented);
-        rig.cameras.push_back(std::move(foreign));
-    }
-    return rig;
-}
-
-ProgressLine::ProgressLine() : is_terminal_(isatty(STDERR_FILENO) != 0) {}
-
-ProgressLine::~ProgressLine() {
-    if (is_terminal_) fmt::print(stderr, "\r\033[K");
-}
-
-void ProgressLine::show(const std::string& text) {
-    if (!is_terminal_) return;
-    fmt::print(stderr, "\r\033[K{} ...", text);
-    std::fflush(stderr);
-}
 
 Expected<void> print_and_write(const RigReport& report,
                                const config::Rig& rig,

@@ -91,7 +91,7 @@ private:
                                 previous->file.filename().string(),
                                 compared.num_staying(),
                                 compared.moves.size()));
-            } else if (options_.is_frame_said) {
+            } else if (!options_.frame_of.empty()) {
                 report_.problems.push_back(fmt::format(
                     "the frame of {} cannot be kept: {}",
                     previous->file.string(),

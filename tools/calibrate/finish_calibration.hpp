@@ -18,9 +18,9 @@ struct FinishOptions {
     std::string source;   // what was calibrated from
     std::string body;     // what was seen, for sentences: "the wand"
     std::filesystem::path output;
-    std::filesystem::path report;  // the page; empty: calibration.html beside the output
-    bool force = false;            // write in spite of problems and of a rig that is still true
-    bool is_frame_said = false;    // a rig was named whose frame shall be kept
+    std::filesystem::path frame_of;  // rig whose frame shall be kept; empty: that of the output
+    std::filesystem::path report;    // the page; empty: calibration.html beside the output
+    bool force = false;              // write in spite of problems and of a rig that is still true
     Said said;
 };
 

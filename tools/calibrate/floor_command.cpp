@@ -4,6 +4,7 @@
 #include "tools/calibrate/calibrated_rig.hpp"
 #include "tools/calibrate/floor/find_marks.hpp"
 #include "tools/calibrate/floor/floor_frame.hpp"
+#include "tools/calibrate/progress.hpp"
 #include "tools/calibrate/subcommands.hpp"
 
 #include <fmt/format.h>
@@ -45,7 +46,7 @@ Expected<FoundMarks> find_by_board(const FloorCommand& options, const config::Ri
     filming.most_instants = kFloorInstants;
     filming.least_views = 0;
     for (const auto& camera : rig.cameras) filming.cameras.push_back(camera.name);
-    ProgressLine progress;
+    Progress progress;
     filming.progress = [&](std::size_t done, std::size_t all) {
         progress.show(fmt::format("looking for the board: {} of {} pictures", done, all));
     };

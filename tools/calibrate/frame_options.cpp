@@ -97,4 +97,27 @@ void add_distance_options(CLI::App& command, Said& said) {
         ->type_name("CAMERA METRES");
 }
 
+void add_finish_options(CLI::App& command, FinishOptions& finish) {
+    command
+        .add_option("--frame-of",
+                    finish.frame_of,
+                    "rig.toml whose origin and axes the new rig keeps, if most of its cameras "
+                    "stand where they did; default: the one that -o replaces")
+        ->type_name("RIG");
+    command
+        .add_option("-o,--output",
+                    finish.output,
+                    "rig.toml to write; one that is there already is kept under another name")
+        ->required();
+    command
+        .add_option("--report",
+                    finish.report,
+                    "page of figures and pictures, and the same as .json beside it; default: "
+                    "calibration.html beside -o")
+        ->type_name("FILE.html");
+    command.add_flag("--force",
+                     finish.force,
+                     "write in spite of problems, and replace a rig that is still true");
+}
+
 }  // namespace atrium::calibrate

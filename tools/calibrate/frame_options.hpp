@@ -1,6 +1,7 @@
 #pragma once
 
 #include "tools/calibrate/conclude.hpp"
+#include "tools/calibrate/finish_calibration.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -25,5 +26,8 @@ void add_up_option(CLI::App& command, Said& said);
 
 /// `--distance` and `--camera-height`
 void add_distance_options(CLI::App& command, Said& said);
+
+/// `--frame-of`, `--output`, `--report` and `--force` of a calibration
+void add_finish_options(CLI::App& command, FinishOptions& finish);
 
 }  // namespace atrium::calibrate

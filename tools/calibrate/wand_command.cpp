@@ -31,12 +31,9 @@ struct WandCommand {
     std::optional<std::array<int, 2>> size;
     double focal_px = 0.0;
     bool has_third = false;
-    fs::path frame_of;
-    fs::path report;
     std::optional<double> rate_hz;
-    bool force = false;
     int threads = 0;  // 0: one per processor
-    fs::path output;
+    FinishOptions finish;
     Said said;
     SweepOptions sweep;
 };
@@ -117,8 +114,8 @@ Expected<std::vector<NominalCamera>> nominal_cameras(const WandCommand& options,
 Expected<WandInput> wand_input(WandCommand& options, const Wand& wand, std::stop_token stop) {
     WandInput input;
     if (options.points.empty()) {
-        options.points = points_file(options.sweep, options.output);
-        auto swept = keep_sweep(options.sweep, wand, options.points, options.force, stop);
+        options.points = points_file(options.sweep, options.finish.output);
+        auto swept = keep_sweep(options.sweep, wand, options.points, options.finish.force, stop);
         if (!swept) return tl::unexpected(swept.error());
         if (!options.rate_hz) options.rate_hz = swept->rate_hz;
         input = {std::move(swept->points), std::move(swept->cameras)};
@@ -151,7 +148,8 @@ Expected<void> check_source(const WandCommand& options) {
 
 Expected<void> run_wand(WandCommand& options) {
     if (auto one = check_source(options); !one) return one;
-    const auto previous = find_previous_rig(options.output, options.frame_of, options.force);
+    const auto previous =
+        find_previous_rig(options.finish.output, options.finish.frame_of, options.finish.force);
     if (!previous) return tl::unexpected(previous.error());
     Wand wand = default_wand();
     if (!options.wand.empty()) {
@@ -175,14 +173,10 @@ Expected<void> run_wand(WandCommand& options) {
         return solve_wand(wand, input->nominal, input->points, how);
     }();
     if (!solution) return tl::unexpected(solution.error());
-    FinishOptions finish;
+    FinishOptions& finish = options.finish;
     finish.command = "calibrate wand";
     finish.source = options.points.string();
     finish.body = "the wand";
-    finish.output = options.output;
-    finish.report = options.report;
-    finish.force = options.force;
-    finish.is_frame_said = !options.frame_of.empty();
     finish.said = options.said;
     finish.said.rate_hz = options.rate_hz.value_or(*previous ? (*previous)->rig.rate_hz : 30.0);
     return finish_calibration(
@@ -241,26 +235,7 @@ void add_wand(CLI::App& app, Action& action) {
         ->check(CLI::Range(1, 256));
     add_up_option(*command, options->said);
     add_distance_options(*command, options->said);
-    command
-        ->add_option("--frame-of",
-                     options->frame_of,
-                     "rig.toml whose origin and axes the new rig keeps, if most of its cameras "
-                     "stand where they did; default: the one that -o replaces")
-        ->type_name("RIG");
-    command
-        ->add_option("-o,--output",
-                     options->output,
-                     "rig.toml to write; one that is there already is kept under another name")
-        ->required();
-    command
-        ->add_option("--report",
-                     options->report,
-                     "page of figures and pictures, and the same as .json beside it; default: "
-                     "calibration.html beside -o")
-        ->type_name("FILE.html");
-    command->add_flag("--force",
-                      options->force,
-                      "write in spite of problems, and replace a rig that is still true");
+    add_finish_options(*command, options->finish);
     options->sweep.add_to(*command);
     command->callback([options, &action] { action = [options] { return run_wand(*options); }; });
 }
