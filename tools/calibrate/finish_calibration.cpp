@@ -109,6 +109,9 @@ private:
             rig_.bounds_site = previous->rig.bounds_site;
             rig_.has_bounds = true;
         }
+        // what poses mean is no question here
+        std::erase_if(conclusion->told,
+                      [](const std::string& line) { return line.starts_with("poses: "); });
         add(report_.told, conclusion->told);
         add(report_.checks, conclusion->checks);
         add(report_.problems, conclusion->problems);
