@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <utility>
 
 namespace atrium::site_node {
 namespace {
@@ -108,10 +110,20 @@ void declare(CameraConfig& config, config::OptionSet& set) {
 void read_cameras(config::TableReader& reader, CameraConfig& config) {
     config::TableReader table = reader.table("capture");
     std::set<std::string> names;
+    std::map<std::string, std::string> name_of;  // by serial or address
     for (config::TableReader& camera : table.tables("camera")) {
         config.options.cameras.push_back(read_camera(camera));
-        if (!names.insert(config.options.cameras.back().name).second)
+        const capture::CameraEntry& entry = config.options.cameras.back();
+        if (!names.insert(entry.name).second)
             camera.reject("name", "must be different for every camera");
+        for (const auto& [key, value] :
+             {std::pair("serial", entry.serial), std::pair("address", entry.address)}) {
+            if (value.empty()) continue;
+            const auto [before, is_new] = name_of.emplace(value, entry.name);
+            if (!is_new)
+                camera.reject(key,
+                              fmt::format("is also that of '{}': '{}'", before->second, value));
+        }
     }
 }
 

@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
+#include <string_view>
 
 namespace atrium::calibrate {
 namespace {
@@ -105,7 +107,8 @@ private:
         auto conclusion = conclude(foreign, said_);
         if (!conclusion) return tl::unexpected(conclusion.error());
         rig_ = std::move(conclusion->rig);
-        if (keeps_frame && previous->rig.has_bounds) {
+        if (auto turned = turn_front(keeps_frame); !turned) return turned;
+        if (keeps_frame && options_.front.empty() && previous->rig.has_bounds) {
             rig_.bounds_site = previous->rig.bounds_site;
             rig_.has_bounds = true;
         }
@@ -115,6 +118,31 @@ private:
         add(report_.told, conclusion->told);
         add(report_.checks, conclusion->checks);
         add(report_.problems, conclusion->problems);
+        return {};
+    }
+
+    // Where +X points is chance, unless the frame was there before. People look along it.
+    Expected<void> turn_front(bool keeps_frame) {
+        if (keeps_frame && options_.front.empty()) return {};
+        const std::string& name = options_.front.empty() ? rig_.cameras[0].name : options_.front;
+        const auto camera =
+            std::ranges::find(rig_.cameras, name, &geometry::CalibratedCamera::name);
+        if (camera == rig_.cameras.end())
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("--front {}: no camera has this name", name));
+        const Eigen::Vector3d place = camera->centre_site();
+        const geometry::RigidTransform old_from_new{
+            Eigen::Quaterniond(
+                Eigen::AngleAxisd(std::atan2(place.y(), place.x()), Eigen::Vector3d::UnitZ())),
+            Eigen::Vector3d::Zero()};
+        for (geometry::CalibratedCamera& one : rig_.cameras)
+            one.camera_from_site = one.camera_from_site * old_from_new;
+        const std::string text =
+            fmt::format("front: people who look towards '{}' look along +X, into the world", name);
+        if (options_.front.empty())
+            report_.checks.push_back(text + "; another camera: --front NAME");
+        else
+            report_.told.push_back(text);
         return {};
     }
 
@@ -156,12 +184,20 @@ private:
         add(report_.told, verdict.told);
         add(report_.checks, verdict.checks);
         add(report_.problems, verdict.problems);
-        is_still_true_ = previous.is_output && verdict.is_still_true;
+        // a measured height, or another direction, is asked for whatever the old rig is worth
+        const bool has_new_frame =
+            !said_.up.empty() || !said_.heights.empty() || !options_.front.empty();
+        is_still_true_ = previous.is_output && verdict.is_still_true && !has_new_frame;
     }
 
     // What the page shows of each camera, in the frame of the rig.
     void describe() {
         const Bundle& bundle = solution_.bundle;
+        // the verdict on the errors alone came before
+        constexpr std::string_view kGoodErrors = "good: ";
+        if (!report_.problems.empty() && report_.told.front().starts_with(kGoodErrors))
+            report_.told.front().replace(
+                0, kGoodErrors.size(), "wrong, though its errors are small: ");
         report_.command = options_.command;
         report_.source = options_.source;
         report_.date = fmt::format("{:%Y-%m-%d %H:%M:%S}", fmt::gmtime(std::time(nullptr)));
@@ -217,6 +253,7 @@ private:
         for (const std::string& line : report_.told) fmt::print("{}\n", line);
         for (const std::string& line : report_.checks) fmt::print("check: {}\n", line);
         for (const std::string& line : report_.problems) fmt::print("problem: {}\n", line);
+        std::fflush(stdout);  // before an error that says "above"
     }
 
     Expected<void> write(const std::optional<PreviousRig>& previous) {

@@ -21,6 +21,9 @@ struct FinishOptions {
     std::filesystem::path frame_of;  // rig whose frame shall be kept; empty: that of the output
     std::filesystem::path report;    // the page; empty: calibration.html beside the output
     bool force = false;              // write in spite of problems and of a rig that is still true
+    /// Camera towards which people look: +X of the room. Empty: the frame's own, or the first
+    /// camera.
+    std::string front;
     Said said;
 };
 

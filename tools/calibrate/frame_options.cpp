@@ -99,6 +99,12 @@ void add_distance_options(CLI::App& command, Said& said) {
 
 void add_finish_options(CLI::App& command, FinishOptions& finish) {
     command
+        .add_option("--front",
+                    finish.front,
+                    "camera towards which people look, along +X, into the world; default: as in "
+                    "the rig before, else the first camera")
+        ->type_name("CAMERA");
+    command
         .add_option("--frame-of",
                     finish.frame_of,
                     "rig.toml whose origin and axes the new rig keeps, if most of its cameras "

@@ -11,6 +11,7 @@
 #include <pugixml.hpp>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -153,6 +154,8 @@ TEST_F(Report, RefusesAWandOfOtherLengths) {
     EXPECT_THAT(json()["problems"].dump(),
                 HasSubstr("all distances between cameras are 4.0 % longer than in lab.toml"));
     EXPECT_EQ(json()["grade"], "wrong");
+    EXPECT_THAT(json()["told"][0].get<std::string>(),
+                HasSubstr("wrong, though its errors are small"));
 
     fs::remove(file_);
     const SweptRoom room = sweep(default_wand(), small_room(6));
@@ -164,6 +167,27 @@ TEST_F(Report, RefusesAWandOfOtherLengths) {
     EXPECT_THAT(json()["problems"].dump(), HasSubstr("measure the lengths of the wand"));
     EXPECT_TRUE(calibrate(small_room(6), default_wand(), by_tape));
     EXPECT_THAT(json()["told"].dump(), HasSubstr("% off your tape"));
+}
+
+TEST_F(Report, TurnsTheFrontTowardsACamera) {
+    const auto azimuth_of = [&](std::size_t camera) {
+        const auto rig = config::load_rig(file_);
+        EXPECT_TRUE(rig);
+        const Eigen::Vector3d place = rig->cameras[camera].centre_site();
+        return std::atan2(place.y(), place.x());
+    };
+    ASSERT_TRUE(calibrate(small_room(5)));
+    EXPECT_NEAR(azimuth_of(0), 0.0, 1e-6) << "by default the first";
+    EXPECT_THAT(json()["checks"].dump(), HasSubstr("towards 'cam0' look along +X"));
+    ASSERT_TRUE(calibrate(small_room(6), default_wand(), [](FinishOptions& options) {
+        options.front = "cam3";
+    })) << "a new frame is asked for, though the rig is still true";
+    EXPECT_NEAR(azimuth_of(3), 0.0, 1e-6);
+    EXPECT_EQ(num_rigs(), 2U);
+    const auto wrong = calibrate(
+        small_room(6), default_wand(), [](FinishOptions& options) { options.front = "door"; });
+    ASSERT_FALSE(wrong);
+    EXPECT_THAT(wrong.error().message, HasSubstr("--front door: no camera has this name"));
 }
 
 TEST_F(Report, DoesNotReplaceWhatIsNoRig) {

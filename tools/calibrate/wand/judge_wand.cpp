@@ -1,5 +1,7 @@
 #include "tools/calibrate/wand/judge_wand.hpp"
 
+#include "tools/calibrate/adjust/median.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,8 +33,8 @@ public:
 
     Verdict run() {
         judge_whole();
-        for (std::size_t c = 0; c < solution_.cameras.size(); ++c) judge_camera(c);
         judge_wand_file();
+        for (std::size_t c = 0; c < solution_.cameras.size(); ++c) judge_camera(c);
         tell_whole();
         return std::move(verdict_);
     }
@@ -99,7 +101,7 @@ private:
                 1000.0 * std::abs(late) / rate_hz_,
                 std::abs(late) < 0.75 ? "less than an instant, by its clock"
                                       : fmt::format("{:.0f}", std::round(-late))));
-        } else if (share_of_outliers(figures) > kManyOutliers) {
+        } else if (share_of_outliers(figures) > kManyOutliers && !is_wand_to_blame(figures)) {
             verdict_.problems.push_back(fmt::format(
                 "camera '{}' contradicts the others in {:.0f} % of its lights: it was moved during "
                 "the sweep, or its pictures are those of another camera or sweep",
@@ -128,10 +130,20 @@ private:
         }
     }
 
+    // A light at another place than the file says is an outlier of every camera alike.
+    bool is_wand_to_blame(const CameraFigures& figures) const {
+        if (!has_wrong_light_) return false;
+        std::vector<double> shares;
+        for (const CameraFigures& each : solution_.cameras)
+            shares.push_back(share_of_outliers(each));
+        return share_of_outliers(figures) < 1.5 * median_of(std::move(shares));
+    }
+
     void judge_wand_file() {
         const auto& offsets = solution_.light_offsets_m;
         for (std::size_t light = 0; light < offsets.size(); ++light) {
             if (std::abs(offsets[light]) < kOffLight_m) continue;
+            has_wrong_light_ = true;
             verdict_.problems.push_back(
                 fmt::format("light {} of the wand is seen {:.1f} mm further {} than --wand says: "
                             "measure the distances of its lights again",
@@ -143,6 +155,7 @@ private:
 
     const WandSolution& solution_;
     double rate_hz_;
+    bool has_wrong_light_ = false;
     Verdict verdict_;
 };
 
