@@ -380,33 +380,5 @@ TEST_F(RecordingOnDisk, FailsIfNoPictureCanBeRead) {
     EXPECT_FALSE((*source)->run(std::stop_token(), [](CameraFrame) {}));
 }
 
-TEST_F(RecordingOnDisk, NeedsNoRigIfOnlyNamesAndSizesMatter) {
-    for (const char* camera : {"a", "b"}) write_sequence(camera, 3);
-    fs::remove(folder_ / "rig.toml");
-    fs::create_directories(folder_ / "notes");
-    EXPECT_FALSE(RecordingSource::open({.folder = folder_}));
-    const auto source = RecordingSource::open({.folder = folder_, .needs_rig = false});
-    ASSERT_TRUE(source) << source.error().message;
-    const config::Rig& rig = (*source)->rig();
-    ASSERT_EQ(rig.cameras.size(), 2U);
-    EXPECT_EQ(rig.cameras[0].name, "a");
-    EXPECT_EQ(rig.cameras[1].name, "b");
-    EXPECT_EQ(rig.cameras[1].intrinsics.width, kWidth);
-    EXPECT_EQ(rig.cameras[1].intrinsics.height, kHeight);
-    EXPECT_EQ((*source)->num_frames(), 3U);
-
-    const auto error_of = [&] {
-        const auto opened = RecordingSource::open({.folder = folder_, .needs_rig = false});
-        return opened ? std::string() : opened.error().message;
-    };
-    fs::rename(folder_ / "b", folder_ / "b c");
-    EXPECT_THAT(error_of(), HasSubstr("b c: the name of a camera has 1 to 63 characters"));
-    fs::remove_all(folder_ / "b c");
-    EXPECT_THAT(error_of(), HasSubstr("1 folders hold pictures of a camera"));
-    fs::create_directories(folder_ / "b" / "frames");
-    std::ofstream(folder_ / "b" / "frames" / "000000.png") << "no picture";
-    EXPECT_THAT(error_of(), HasSubstr("the first picture cannot be read"));
-}
-
 }  // namespace
 }  // namespace atrium::capture
