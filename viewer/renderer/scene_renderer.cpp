@@ -86,7 +86,8 @@ void SceneRenderer::Impl::draw_eye(const EyeView& eye,
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     if (!has_backdrop) backdrop->draw(eye, floors, objects->textures());
     backdrop->draw_shadows(view, floors);
-    objects->draw_received_shadows(view, *backdrop);
+    // one looks through wires at insides, which would be dark
+    if (!overlay->is_wireframe()) objects->draw_received_shadows(view, *backdrop);
     // after everything that is visible through them
     for (auto& [site, person] : people) {
         if (!person.is_solid() && person.opacity() > 0.0) draw_faded(person, eye);
