@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-constexpr int kWidth = 64, kHeight = 48, kFrames = 3;
+constexpr int kWide = 64, kTall = 48, kFrames = 3;
 
 class UncalibratedRecording : public testing::Test {
 protected:
@@ -26,7 +26,7 @@ protected:
             fs::create_directories(frames);
             for (int k = 0; k < kFrames; ++k)
                 cv::imwrite((frames / cv::format("%06d.png", k)).string(),
-                            cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar(k, k, k)));
+                            cv::Mat(kTall, kWide, CV_8UC3, cv::Scalar(k, k, k)));
         }
     }
     void TearDown() override { fs::remove_all(folder_); }
@@ -49,8 +49,8 @@ TEST_F(UncalibratedRecording, NeedsNoRigIfOnlyNamesAndSizesMatter) {
     ASSERT_EQ(rig.cameras.size(), 2U);
     EXPECT_EQ(rig.cameras[0].name, "a");
     EXPECT_EQ(rig.cameras[1].name, "b");
-    EXPECT_EQ(rig.cameras[1].intrinsics.width, kWidth);
-    EXPECT_EQ(rig.cameras[1].intrinsics.height, kHeight);
+    EXPECT_EQ(rig.cameras[1].intrinsics.width, kWide);
+    EXPECT_EQ(rig.cameras[1].intrinsics.height, kTall);
     EXPECT_EQ((*source)->num_frames(), std::size_t{kFrames});
 }
 

@@ -1,3 +1,4 @@
+#include "core/base/write_check.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
 #include "tools/calibrate/report/report.hpp"
 
@@ -72,7 +73,11 @@ std::string report_json(const CalibrationReport& report) {
 }
 
 Expected<void> write_report(const CalibrationReport& report, const std::filesystem::path& file) {
-    if (auto written = write_text(file, report_page(report), true); !written) return written;
+    const std::string page = report_page(report);
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    if (auto writable = check_folder_writable(folder, page.size(), "--report"); !writable)
+        return writable;
+    if (auto written = write_text(file, page, true); !written) return written;
     std::filesystem::path json = file;
     return write_text(json.replace_extension(".json"), report_json(report), true);
 }
