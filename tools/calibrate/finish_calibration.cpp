@@ -103,6 +103,11 @@ private:
                           "leave --frame-of out"));
             }
         }
+        if (!has_scale_ && !options_.frame_of.empty())
+            report_.problems.push_back(
+                fmt::format("the frame of {} cannot be kept: one light gives no scale to compare "
+                            "the rigs with; leave --frame-of out",
+                            options_.frame_of.string()));
         if (has_scale_) check_tape(solved);
         auto conclusion = conclude(foreign, said_);
         if (!conclusion) return tl::unexpected(conclusion.error());
