@@ -15,8 +15,21 @@ struct RigReport {
     std::vector<std::string> told, checks, problems;
 };
 
-/// Prints a report, and writes the rig unless there are problems and `force` is not set. Errors
-/// kInvalidData if it is not written, those of `write_text`.
+void print(const RigReport& report);
+
+/// Tells before the work whether its rig could be written. Error kConfiguration if `output` exists
+/// and is no rig, or a damaged one, unless `force`.
+Expected<void> check_output(const std::filesystem::path& output, bool force);
+
+/// Writes the rig unless there are problems and `force` is not set. A rig that it replaces is kept
+/// beside it. Returns what it did, as a sentence for people. Errors kInvalidData if there are
+/// problems, kUnavailable if a file cannot be written.
+Expected<std::string> write_rig(const RigReport& report,
+                                const config::Rig& rig,
+                                const std::filesystem::path& output,
+                                bool force);
+
+/// Prints the report, writes the rig, and prints what was done.
 Expected<void> print_and_write(const RigReport& report,
                                const config::Rig& rig,
                                const std::filesystem::path& output,

@@ -1,6 +1,6 @@
 #include "tools/calibrate/finish_calibration.hpp"
 
-#include "tools/calibrate/formats/rig_file.hpp"
+#include "tools/calibrate/calibrated_rig.hpp"
 #include "tools/calibrate/report/report.hpp"
 
 #include <fmt/chrono.h>
@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <string_view>
 
@@ -46,8 +45,8 @@ public:
         if (auto given = give_frame(previous); !given) return given;
         if (previous && has_scale_) compare(*previous);
         describe();
-        tell();
-        const auto written = write(previous);
+        print(sentences());
+        const auto written = write();
         if (!written) report_.outcome = written.error().message;
         const fs::path page = options_.report.empty()
                                   ? options_.output.parent_path() / "calibration.html"
@@ -254,46 +253,25 @@ private:
         return {rig_.cameras[0].camera_from_site.inverse() * camera_from_world, scale};
     }
 
-    void tell() const {
-        for (const std::string& line : report_.told) fmt::print("{}\n", line);
-        for (const std::string& line : report_.checks) fmt::print("check: {}\n", line);
-        for (const std::string& line : report_.problems) fmt::print("problem: {}\n", line);
-        std::fflush(stdout);  // before an error that says "above"
-    }
-
-    Expected<void> write(const std::optional<PreviousRig>& previous) {
-        const std::size_t num_problems = report_.problems.size();
-        if (num_problems > 0 && !options_.force)
-            return make_error(
-                ErrorKind::kInvalidData,
-                fmt::format("{} {}: solve {} above first, or give --force",
-                            options_.output.string(),
-                            previous && previous->is_output ? "stays as it was" : "not written",
-                            num_problems == 1 ? "the problem"
-                                              : fmt::format("the {} problems", num_problems)));
-        if (is_still_true_ && !options_.force) {
+    Expected<void> write() {
+        if (is_still_true_ && report_.problems.empty() && !options_.force) {
             report_.outcome = fmt::format(
                 "kept {}: it explains what was seen as well as the new rig; --force replaces it",
                 options_.output.string());
-            fmt::print("{}\n", report_.outcome);
-            return {};
+        } else {
+            auto done = write_rig(sentences(), rig_, options_.output, options_.force);
+            if (!done) return tl::unexpected(done.error());
+            report_.outcome = std::move(*done);
         }
-        std::string kept;
-        if (previous && previous->is_output) {
-            const auto old = keep_old_rig(options_.output);
-            if (!old) return tl::unexpected(old.error());
-            kept = fmt::format(", kept the one before as {}", old->string());
-        }
-        std::vector<std::string> comments{
-            fmt::format("Calibrated from {} by `{}`.", options_.source, options_.command)};
-        add(comments, report_.told);
-        for (const std::string& line : report_.checks) comments.push_back("check: " + line);
-        for (const std::string& line : report_.problems) comments.push_back("problem: " + line);
-        if (auto done = write_text(options_.output, rig_text(rig_, comments), true); !done)
-            return done;
-        report_.outcome = fmt::format("wrote {}{}", options_.output.string(), kept);
         fmt::print("{}\n", report_.outcome);
         return {};
+    }
+
+    RigReport sentences() const {
+        return {fmt::format("Calibrated from {} by `{}`.", options_.source, options_.command),
+                report_.told,
+                report_.checks,
+                report_.problems};
     }
 
     const WandSolution& solution_;

@@ -74,12 +74,7 @@ Expected<void> run_floor(const FloorCommand& options) {
             ErrorKind::kConfiguration,
             "give --pictures of a board that lies on the floor, or --points of lights "
             "on it");
-    std::error_code failure;
-    if (!options.force && fs::exists(options.output, failure))
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("{}: exists already; give another -o, or --force to replace "
-                                      "it",
-                                      options.output.string()));
+    if (auto free = check_output(options.output, options.force); !free) return free;
     auto rig = config::load_rig(options.rig);
     if (!rig) return tl::unexpected(rig.error());
     const auto found =
@@ -172,9 +167,12 @@ void add_floor(CLI::App& app, Action& action) {
                      options->thickness_mm,
                      "height of the pattern or lights above the floor")
         ->check(CLI::Range(0.0, 2000.0));
-    command->add_option("-o,--output", options->output, "rig.toml to write")->required();
+    command
+        ->add_option(
+            "-o,--output", options->output, "rig.toml to write; one that it replaces is kept")
+        ->required();
     command->add_flag(
-        "--force", options->force, "replace what -o names, and write in spite of problems");
+        "--force", options->force, "write in spite of problems, and replace a file that is no rig");
     command->callback([options, &action] { action = [options] { return run_floor(*options); }; });
 }
 

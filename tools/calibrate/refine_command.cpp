@@ -1,5 +1,5 @@
 #include "core/config/rig.hpp"
-#include "tools/calibrate/formats/rig_file.hpp"
+#include "tools/calibrate/calibrated_rig.hpp"
 #include "tools/calibrate/progress.hpp"
 #include "tools/calibrate/refine/judge_refined.hpp"
 #include "tools/calibrate/refine/refine.hpp"
@@ -49,12 +49,8 @@ Expected<std::vector<std::size_t>> find_cameras(const RefineCommand& options,
 }
 
 Expected<void> run_refine(const RefineCommand& options) {
-    std::error_code failure;
-    if (!options.output.empty() && !options.force && fs::exists(options.output, failure))
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("{}: exists already; give another -o, or --force to replace it",
-                        options.output.string()));
+    if (!options.output.empty())
+        if (auto free = check_output(options.output, options.force); !free) return free;
     auto rig = config::load_rig(options.rig);
     if (!rig) return tl::unexpected(rig.error());
     if (rig->cameras.size() < 3)
@@ -83,34 +79,23 @@ Expected<void> run_refine(const RefineCommand& options) {
     if (!refined) return tl::unexpected(refined.error());
     const RefinedVerdict verdict =
         judge_refined(*refined, rig->cameras, *take, options.cameras.empty());
-    for (const std::string& line : verdict.told) fmt::print("{}\n", line);
-    for (const std::string& line : verdict.problems) fmt::print("problem: {}\n", line);
-    if (!verdict.problems.empty() && !options.force)
-        return make_error(
-            ErrorKind::kInvalidData,
-            fmt::format("{}: solve {} above first, or give --force",
-                        options.output.empty() ? std::string("the refinement is not good")
-                                               : options.output.string() + " not written",
-                        verdict.problems.size() == 1
-                            ? "the problem"
-                            : fmt::format("the {} problems", verdict.problems.size())));
+    const RigReport report{
+        fmt::format("Refined from {} by `calibrate refine`, with the silhouettes of {}.",
+                    options.rig.string(),
+                    options.recording.string()),
+        verdict.told,
+        {},
+        verdict.problems};
     if (options.output.empty()) {
+        print(report);
+        if (!verdict.problems.empty() && !options.force)
+            return make_error(ErrorKind::kInvalidData, "the refinement is not good: see above");
         fmt::print("nothing written: give -o FILE\n");
         return {};
     }
     rig->cameras = refined->cameras;
     if (!rig->has_bounds) rig->bounds_site = {};  // they follow from the cameras
-    std::vector<std::string> comments{
-        fmt::format("Refined from {} by `calibrate refine`, with the silhouettes of {}.",
-                    options.rig.string(),
-                    options.recording.string())};
-    comments.insert(comments.end(), verdict.told.begin(), verdict.told.end());
-    for (const std::string& line : verdict.problems) comments.push_back("problem: " + line);
-    if (auto written = write_text(options.output, rig_text(*rig, comments), options.force);
-        !written)
-        return written;
-    fmt::print("wrote {}\n", options.output.string());
-    return {};
+    return print_and_write(report, *rig, options.output, options.force);
 }
 
 }  // namespace
@@ -146,9 +131,11 @@ void add_refine(CLI::App& app, Action& action) {
     command->add_option("--instants", options->instants, "instants of the recording that are used")
         ->check(CLI::Range(1, 5000))
         ->capture_default_str();
-    command->add_option("-o,--output", options->output, "rig.toml to write; default: only report");
+    command->add_option("-o,--output",
+                        options->output,
+                        "rig.toml to write; one that it replaces is kept. Default: only report");
     command->add_flag(
-        "--force", options->force, "write in spite of problems, and replace what -o names");
+        "--force", options->force, "write in spite of problems, and replace a file that is no rig");
     command->callback([options, &action] { action = [options] { return run_refine(*options); }; });
 }
 

@@ -32,8 +32,8 @@ struct Sighting {
     std::uint32_t camera = 0;
     std::uint32_t instant = 0;  // index in Bundle::wands
     std::uint32_t light = 0;
-    Eigen::Vector2d px;   // distorted
-    bool is_used = true;  // false: an outlier, or held out
+    Eigen::Vector2d px = Eigen::Vector2d::Zero();  // distorted
+    bool is_used = true;                           // false: an outlier, or held out
 };
 
 /// The wand at an instant.
