@@ -1,3 +1,4 @@
+#include "core/geometry/alignment.hpp"
 #include "simulation/joint_names.hpp"
 #include "simulation/model_rig.hpp"
 #include "simulation/model_stand.hpp"
@@ -193,7 +194,8 @@ void Retargeting::align_rest_poses(const std::array<int, kNumHumanJoints>& from,
         };
         const Vector3f a = along(target_rest_, to, target_upright_);
         const Vector3f b = along(source_rest_, from, source_upright_);
-        if (a.norm() > 1e-6f && b.norm() > 1e-6f) align = Quaternionf::FromTwoVectors(a, b);
+        if (a.norm() > 1e-6f && b.norm() > 1e-6f)
+            align = geometry::rotation_between(a.cast<double>(), b.cast<double>()).cast<float>();
     }
 }
 

@@ -1,6 +1,7 @@
 #include "simulation/model_stand.hpp"
 
 #include "core/geometry/aabb.hpp"
+#include "core/geometry/alignment.hpp"
 #include "simulation/joint_names.hpp"
 
 #include <Eigen/Geometry>
@@ -131,8 +132,7 @@ Matrix3d upright_of(const ModelRig& rig, const BodyAxes& axes) {
     int largest = 0;
     up.cwiseAbs().maxCoeff(&largest);
     nearest[largest] = up[largest] < 0.0 ? -1.0 : 1.0;
-    const Matrix3d turn =
-        Eigen::Quaterniond::FromTwoVectors(nearest, Vector3d::UnitZ()).toRotationMatrix();
+    const Matrix3d turn = geometry::rotation_between(nearest, Vector3d::UnitZ()).toRotationMatrix();
     return faced(turn * declared, axes.right);
 }
 

@@ -1,9 +1,9 @@
 #include "core/config/rig.hpp"
 
 #include "core/config/table_reader.hpp"
+#include "core/geometry/alignment.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -57,9 +57,7 @@ std::optional<Eigen::Quaterniond> nearest_rotation(const Eigen::Matrix3d& m) {
     if (!m.allFinite()) return std::nullopt;
     const double error = (m.transpose() * m - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
     if (!(error < kMaxRotationError) || !(m.determinant() > 0.0)) return std::nullopt;
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose()))
-        .normalized();
+    return Eigen::Quaterniond(geometry::rotation_of(m)).normalized();
 }
 
 geometry::CalibratedCamera read_camera(TableReader& table, double unit_m) {

@@ -1,6 +1,6 @@
 #include "site_node/coherence/camera_fit.hpp"
 
-#include <Eigen/Cholesky>
+#include "core/geometry/alignment.hpp"
 
 #include <algorithm>
 #include <array>
@@ -85,7 +85,7 @@ struct Sums {
     Fault solve() const {
         Normal with_prior = normal;
         with_prior.diagonal() += kExpected.cwiseAbs2().cwiseInverse();
-        return with_prior.ldlt().solve(-right);
+        return geometry::solve_symmetric(with_prior, -right);
     }
 };
 
@@ -162,7 +162,7 @@ std::vector<double> find_dilations(std::span<const Tangency> tangencies, std::si
                         weight * row.by_dilation * column.by_dilation;
             }
         }
-        const Eigen::VectorXd solved = normal.ldlt().solve(right);
+        const Eigen::VectorXd solved = geometry::solve_symmetric(normal, right);
         for (Eigen::Index c = 0; c < n; ++c) dilations[static_cast<std::size_t>(c)] = solved[c];
     }
     return dilations;

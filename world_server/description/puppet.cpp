@@ -1,5 +1,6 @@
 #include "world_server/description/puppet.hpp"
 
+#include "core/geometry/alignment.hpp"
 #include "world_server/description/shared_entries.hpp"
 
 #include <cmath>
@@ -108,7 +109,7 @@ private:
                    size,
                    centre,
                    d_.limb_colour,
-                   Eigen::Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), along));
+                   geometry::rotation_between(-Vector3d::UnitZ(), along));
     }
 
     std::uint32_t add(const std::string& part,

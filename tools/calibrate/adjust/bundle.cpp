@@ -1,10 +1,19 @@
 #include "tools/calibrate/adjust/bundle.hpp"
 
-#include <ceres/ceres.h>
-#include <ceres/rotation.h>
+#include "core/geometry/alignment.hpp"
+#include "tools/calibrate/adjust/reprojection.hpp"
+
+#include <ceres/cost_function.h>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/product_manifold.h>
+#include <ceres/sized_cost_function.h>
+#include <ceres/solver.h>
+#include <ceres/sphere_manifold.h>
 #include <fmt/format.h>
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -18,81 +27,117 @@ constexpr double kFocalPrior = 0.7;        // of log f
 constexpr double kRadialPrior = 1.0;       // of k1, k2, k3
 constexpr double kTangentialPrior = 0.01;  // of p1, p2
 
-// Pixel of a point in the camera's frame (OpenCV's distortion). False behind the camera.
-template <typename T>
-bool project_in_camera(const T* lens, const T* p, T* px) {
-    if (!(p[2] > T(1e-6))) return false;
-    const T x = p[0] / p[2], y = p[1] / p[2];
-    const T r2 = x * x + y * y;
-    const T radial = T(1) + r2 * (lens[3] + r2 * (lens[4] + r2 * lens[7]));
-    const T dx = T(2) * lens[5] * x * y + lens[6] * (r2 + T(2) * x * x);
-    const T dy = lens[5] * (r2 + T(2) * y * y) + T(2) * lens[6] * x * y;
-    px[0] = lens[0] * (x * radial + dx) + lens[1];
-    px[1] = lens[0] * (y * radial + dy) + lens[2];
-    return true;
-}
+// Place of a light in the world, and its derivatives by the block of the wand's pose.
+struct PlacedLight {
+    Eigen::Vector3d world;
+    Eigen::Matrix<double, 3, 7> by_block;  // its first columns
+};
 
-// Blocks of a wand's pose, by its form. Each gives the place of a light in the world.
-struct PointBlock {
-    static constexpr int kSize = 3;
-    Eigen::Vector3d light_m;
-    template <typename T>
-    void place(const T* block, T* world) const {
-        for (int i = 0; i < 3; ++i) world[i] = block[i];
+// How the blocks of a form give the place of one light. Point: its place. Line: place of light 0
+// and direction, since turning about itself does not move a line. Body: quaternion x, y, z, w and
+// place of the origin.
+struct LightOfWand {
+    WandForm form;
+    Eigen::Vector3d light_m;  // kBody
+    double along_m = 0.0;     // kLine
+
+    int num_values() const {
+        return form == WandForm::kPoint ? 3 : form == WandForm::kLine ? 6 : 7;
+    }
+    PlacedLight place(const double* block) const {
+        PlacedLight placed;
+        placed.by_block.setZero();
+        using Vector = Eigen::Map<const Eigen::Vector3d>;
+        if (form == WandForm::kBody) {
+            const auto turned =
+                turn_by(Eigen::Vector4d(Eigen::Map<const Eigen::Vector4d>(block)), light_m);
+            placed.world = turned.point + Vector(block + 4);
+            placed.by_block.leftCols<4>() = turned.by_xyzw;
+            placed.by_block.rightCols<3>().setIdentity();
+            return placed;
+        }
+        placed.world = Vector(block);
+        placed.by_block.leftCols<3>().setIdentity();
+        if (form == WandForm::kLine) {
+            placed.world += along_m * Vector(block + 3);
+            placed.by_block.middleCols<3>(3).diagonal().setConstant(along_m);
+        }
+        return placed;
     }
 };
 
-// Place of light 0 and direction of the line: turning about itself does not move a line.
-struct LineBlock {
-    static constexpr int kSize = 6;
-    double along_m;
-    template <typename T>
-    void place(const T* block, T* world) const {
-        for (int i = 0; i < 3; ++i) world[i] = block[i] + T(along_m) * block[3 + i];
+// Projected minus seen [px], by pose and lens of the camera and the block of the wand.
+class LightError final : public ceres::CostFunction {
+public:
+    LightError(const LightOfWand& light, const Eigen::Vector2d& px) : light_(light), px_(px) {
+        set_num_residuals(2);
+        *mutable_parameter_block_sizes() = {6, 8, light.num_values()};
     }
-};
-
-struct BodyBlock {
-    static constexpr int kSize = 7;  // quaternion x, y, z, w, translation
-    Eigen::Vector3d light_m;
-    template <typename T>
-    void place(const T* block, T* world) const {
-        const T q[4] = {block[3], block[0], block[1], block[2]};  // Ceres: w first
-        const T light[3] = {T(light_m.x()), T(light_m.y()), T(light_m.z())};
-        ceres::UnitQuaternionRotatePoint(q, light, world);
-        for (int i = 0; i < 3; ++i) world[i] += block[4 + i];
-    }
-};
-
-template <typename Block>
-struct Reprojection {
-    Block light;
-    Eigen::Vector2d px;
-    template <typename T>
-    bool operator()(const T* pose, const T* lens, const T* block, T* residual) const {
-        T world[3], camera[3], seen[2];
-        light.place(block, world);
-        ceres::AngleAxisRotatePoint(pose, world, camera);
-        for (int i = 0; i < 3; ++i) camera[i] += pose[3 + i];
-        if (!project_in_camera(lens, camera, seen)) return false;
-        residual[0] = seen[0] - T(px.x());
-        residual[1] = seen[1] - T(px.y());
+    bool Evaluate(const double* const* values,
+                  double* residuals,
+                  double** jacobians) const override {
+        const PlacedLight light = light_.place(values[2]);
+        const TurnedPoint turned =
+            turn_by(Eigen::Vector3d(Eigen::Map<const Eigen::Vector3d>(values[0])), light.world);
+        LensValues lens;
+        std::copy_n(values[1], lens.size(), lens.begin());
+        const auto seen =
+            reproject(lens, turned.point + Eigen::Map<const Eigen::Vector3d>(values[0] + 3));
+        if (!seen) return false;
+        residuals[0] = seen->px.x() - px_.x();
+        residuals[1] = seen->px.y() - px_.y();
+        if (jacobians == nullptr) return true;
+        if (jacobians[0] != nullptr) {
+            Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> by_pose(jacobians[0]);
+            by_pose.leftCols<3>() = seen->by_point * turned.by_vector;
+            by_pose.rightCols<3>() = seen->by_point;
+        }
+        if (jacobians[1] != nullptr) {
+            Eigen::Map<Eigen::Matrix<double, 2, 8, Eigen::RowMajor>> by_lens(jacobians[1]);
+            by_lens = seen->by_lens;
+        }
+        if (jacobians[2] != nullptr) {
+            const Eigen::Matrix<double, 2, 3> by_world = seen->by_point * turned.rotation;
+            const int n = light_.num_values();
+            for (int row = 0; row < 2; ++row)
+                for (int k = 0; k < n; ++k)
+                    jacobians[2][row * n + k] = by_world.row(row).dot(light.by_block.col(k));
+        }
         return true;
     }
+
+private:
+    LightOfWand light_;
+    Eigen::Vector2d px_;
 };
 
-struct LensPrior {
-    std::array<double, 8> nominal;
-    double width;
-    template <typename T>
-    bool operator()(const T* lens, T* residual) const {
-        if (!(lens[0] > T(0))) return false;
-        residual[0] = log(lens[0] / T(nominal[0])) / T(kFocalPrior);
-        for (int i : {1, 2}) residual[i] = (lens[i] - T(nominal[i])) / T(kCentrePrior * width);
-        for (int i : {3, 4, 7}) residual[i] = lens[i] / T(kRadialPrior);
-        for (int i : {5, 6}) residual[i] = lens[i] / T(kTangentialPrior);
+class LensPrior final : public ceres::SizedCostFunction<8, 8> {
+public:
+    LensPrior(const LensValues& nominal, double width) : nominal_(nominal), width_(width) {}
+    bool Evaluate(const double* const* values,
+                  double* residuals,
+                  double** jacobians) const override {
+        const double* const lens = values[0];
+        if (!(lens[0] > 0.0)) return false;
+        std::array<double, 8> slope;
+        slope[0] = 1.0 / (kFocalPrior * lens[0]);
+        for (std::size_t i : {1, 2}) slope[i] = 1.0 / (kCentrePrior * width_);
+        for (std::size_t i : {3, 4, 7}) slope[i] = 1.0 / kRadialPrior;
+        for (std::size_t i : {5, 6}) slope[i] = 1.0 / kTangentialPrior;
+        residuals[0] = std::log(lens[0] / nominal_[0]) / kFocalPrior;
+        for (std::size_t i : {1, 2}) residuals[i] = slope[i] * (lens[i] - nominal_[i]);
+        for (std::size_t i = 3; i < 8; ++i) residuals[i] = slope[i] * lens[i];
+        if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+        Eigen::Map<Eigen::Matrix<double, 8, 8, Eigen::RowMajor>> by_lens(jacobians[0]);
+        by_lens.setZero();
+        for (std::size_t i = 0; i < 8; ++i)
+            by_lens(static_cast<int>(i), static_cast<int>(i)) = slope[i];
         return true;
     }
+
+private:
+    LensValues nominal_;
+    double width_;
 };
 
 std::vector<int> fixed_values(LensFreedom freedom) {
@@ -132,19 +177,13 @@ public:
                       const Sighting& sighting,
                       BundleCamera& camera,
                       ceres::LossFunction* loss) {
-        const Eigen::Vector3d& light = bundle_.wand.lights_m[sighting.light];
-        double* const block = of(sighting.instant);
-        switch (form_) {
-            case WandForm::kPoint:
-                add(problem, PointBlock{light}, sighting, camera, loss, block);
-                return;
-            case WandForm::kLine:
-                add(problem, LineBlock{places_[sighting.light]}, sighting, camera, loss, block);
-                return;
-            case WandForm::kBody:
-                add(problem, BodyBlock{light}, sighting, camera, loss, block);
-                return;
-        }
+        LightOfWand light{form_, bundle_.wand.lights_m[sighting.light]};
+        if (form_ == WandForm::kLine) light.along_m = places_[sighting.light];
+        problem.AddResidualBlock(new LightError(light, sighting.px),
+                                 loss,
+                                 camera.pose.data(),
+                                 camera.lens.data(),
+                                 of(sighting.instant));
     }
     void set_manifold(ceres::Problem& problem, std::size_t instant) {
         if (form_ == WandForm::kLine)
@@ -166,26 +205,11 @@ public:
             return;
         }
         if (form_ == WandForm::kLine)
-            pose.rotation =
-                Eigen::Quaterniond::FromTwoVectors(along_, Eigen::Vector3d(v[3], v[4], v[5]));
+            pose.rotation = geometry::rotation_between(along_, Eigen::Vector3d(v[3], v[4], v[5]));
         pose.translation = Eigen::Vector3d(v[0], v[1], v[2]) - pose.rotation * first;
     }
 
 private:
-    template <typename Block>
-    static void add(ceres::Problem& problem,
-                    const Block& light,
-                    const Sighting& sighting,
-                    BundleCamera& camera,
-                    ceres::LossFunction* loss,
-                    double* block) {
-        using Cost = ceres::AutoDiffCostFunction<Reprojection<Block>, 2, 6, 8, Block::kSize>;
-        problem.AddResidualBlock(new Cost(new Reprojection<Block>{light, sighting.px}),
-                                 loss,
-                                 camera.pose.data(),
-                                 camera.lens.data(),
-                                 block);
-    }
     void load(const geometry::RigidTransform& pose, std::array<double, 7>& v) const {
         const Eigen::Vector3d first = pose * bundle_.wand.lights_m[0];
         const Eigen::Vector3d along = pose.rotation * along_;
@@ -235,11 +259,8 @@ void BundleCamera::set_camera_from_world(const geometry::RigidTransform& transfo
 }
 
 Eigen::Vector2d project(const BundleCamera& camera, const Eigen::Vector3d& point_world) {
-    const Eigen::Vector3d p = camera.camera_from_world() * point_world;
-    Eigen::Vector2d px;
-    if (!project_in_camera(camera.lens.data(), p.data(), px.data()))
-        px.setConstant(std::numeric_limits<double>::quiet_NaN());
-    return px;
+    return project_in_camera(camera.lens, camera.camera_from_world() * point_world)
+        .value_or(Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
 }
 
 Eigen::Vector3d light_world(const Bundle& bundle, const Sighting& sighting) {
@@ -284,10 +305,8 @@ Expected<void> adjust(Bundle& bundle, const AdjustOptions& options) {
         if (options.lens == LensFreedom::kFixed || options.are_cameras_fixed) {
             problem.SetParameterBlockConstant(camera.lens.data());
         } else {
-            problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LensPrior, 8, 8>(new LensPrior{
-                                         camera.lens, static_cast<double>(camera.width)}),
-                                     nullptr,
-                                     camera.lens.data());
+            problem.AddResidualBlock(
+                new LensPrior(camera.lens, camera.width), nullptr, camera.lens.data());
             if (!fixed.empty())
                 problem.SetManifold(camera.lens.data(), new ceres::SubsetManifold(8, fixed));
         }

@@ -2,6 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "core/geometry/pinhole_camera.hpp"
+#include "tools/calibrate/adjust/reprojection.hpp"
 #include "tools/calibrate/adjust/wand.hpp"
 
 #include <Eigen/Core>
@@ -18,7 +19,7 @@ struct BundleCamera {
     std::string name;
     int width = 0, height = 0;
     std::array<double, 6> pose{};  // camera_from_world: rotation vector, translation [m]
-    std::array<double, 8> lens{};  // f, cx, cy [px], k1, k2, p1, p2, k3 as in OpenCV
+    LensValues lens{};
     bool is_placed = false;
 
     geometry::PinholeCamera intrinsics() const;

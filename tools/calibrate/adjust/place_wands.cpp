@@ -1,8 +1,7 @@
 #include "tools/calibrate/adjust/place_wands.hpp"
 
+#include "core/geometry/alignment.hpp"
 #include "tools/calibrate/adjust/rays.hpp"
-
-#include <Eigen/Dense>
 
 #include <algorithm>
 #include <cmath>
@@ -74,16 +73,11 @@ std::optional<geometry::RigidTransform> fit_wand(
     for (std::size_t i = 0; i < from.size(); ++i)
         spread += (to[i] - to_middle) * (from[i] - from_middle).transpose();
     geometry::RigidTransform pose;
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(spread, Eigen::ComputeFullU | Eigen::ComputeFullV);
     if (form == WandForm::kLine) {
-        // the first singular vectors are the directions, up to a common sign
-        pose.rotation = Eigen::Quaterniond::FromTwoVectors(svd.matrixV().col(0).eval(),
-                                                           svd.matrixU().col(0).eval());
+        const Eigen::Vector3d along = from.back() - from.front();
+        pose.rotation = geometry::rotation_between(along, spread * along);
     } else if (form == WandForm::kBody) {
-        Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
-        if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) sign(2, 2) = -1.0;
-        pose.rotation =
-            Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * sign * svd.matrixV().transpose()));
+        pose.rotation = Eigen::Quaterniond(geometry::rotation_of(spread));
     }
     pose.translation = to_middle - pose.rotation * from_middle;
     return pose;

@@ -1,6 +1,6 @@
 #include "tools/calibrate/adjust/rays.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 
 #include <algorithm>
 
@@ -39,7 +39,7 @@ std::optional<Eigen::Vector3d> nearest_to_rays(std::span<const SeenRay> rays) {
             sum += px_per_m * px_per_m * across;
             right += px_per_m * px_per_m * (across * ray.start);
         }
-        point = sum.ldlt().solve(right);
+        point = sum.inverse() * right;
     }
     for (const SeenRay& ray : rays)
         if (ray.direction.dot(point - ray.start) <= 0.0) return std::nullopt;

@@ -1,10 +1,14 @@
 #include "tools/calibrate/adjust/uncertainty.hpp"
 
-#include <Eigen/Dense>
+#include "core/geometry/alignment.hpp"
+#include "tools/calibrate/adjust/reprojection.hpp"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 namespace atrium::calibrate {
 namespace {
@@ -29,41 +33,31 @@ geometry::RigidTransform turned(const geometry::RigidTransform& pose, int k, dou
     return moved;
 }
 
-// Derivatives by central differences, of values in units of 1 rad, 1 m; f as a share, cx and cy in
-// pictures' widths.
+// Derivatives by values in units of 1 rad, 1 m; f as a share, cx and cy in pictures' widths.
+// Rotations are turned about the axes of the frame that they lead to.
 struct Rows {
     CameraRows camera;
     WandRows wand;
 };
 
-Rows rows_of(const Bundle& bundle, const Sighting& sighting) {
-    constexpr double kStep = 1e-6;
+std::optional<Rows> rows_of(const Bundle& bundle, const Sighting& sighting) {
     const BundleCamera& camera = bundle.cameras[sighting.camera];
     const geometry::RigidTransform pose = camera.camera_from_world();
     const geometry::RigidTransform& wand = bundle.wands[sighting.instant].world_from_wand;
-    const Eigen::Vector3d& light = bundle.wand.lights_m[sighting.light];
-    BundleCamera local = camera;  // at the origin: points are given in its frame
-    local.pose = {};
+    const Eigen::Vector3d light = wand.rotation * bundle.wand.lights_m[sighting.light];
+    const Eigen::Matrix3d turn = pose.rotation.toRotationMatrix();
+    const Eigen::Vector3d seen_from_world = turn * (light + wand.translation);
+    const auto seen = reproject(camera.lens, seen_from_world + pose.translation);
+    if (!seen) return std::nullopt;
     Rows rows;
-    const auto difference = [&](const auto& at) -> Eigen::Vector2d {
-        return (at(kStep) - at(-kStep)) / (2.0 * kStep);
-    };
-    for (int k = 0; k < kPoseValues; ++k) {
-        rows.camera.col(k) = difference(
-            [&](double step) { return project(local, turned(pose, k, step) * (wand * light)); });
-        rows.wand.col(k) = difference(
-            [&](double step) { return project(local, pose * (turned(wand, k, step) * light)); });
-    }
-    const Eigen::Vector3d seen = pose * (wand * light);
-    for (int k = 0; k < kLensValues; ++k) {
-        const auto value = static_cast<std::size_t>(k);
-        const double unit = k == 0 ? camera.lens[0] : k < 3 ? camera.width : 1.0;
-        rows.camera.col(kPoseValues + k) = difference([&](double step) {
-            BundleCamera changed = local;
-            changed.lens[value] += step * unit;
-            return project(changed, seen);
-        });
-    }
+    rows.camera.leftCols<3>() = -seen->by_point * cross_matrix(seen_from_world);
+    rows.camera.middleCols<3>(3) = seen->by_point;
+    rows.camera.rightCols<kLensValues>() = seen->by_lens;
+    rows.camera.col(kPoseValues) *= camera.lens[0];
+    rows.camera.middleCols<2>(kPoseValues + 1) *= camera.width;
+    const Eigen::Matrix<double, 2, 3> by_world = seen->by_point * turn;
+    rows.wand.leftCols<3>() = -by_world * cross_matrix(light);
+    rows.wand.rightCols<3>() = by_world;
     return rows;
 }
 
@@ -89,18 +83,19 @@ std::vector<CameraUncertainty> uncertainty_of(const Bundle& bundle,
              ++end) {
             const Sighting& sighting = bundle.sightings[end];
             if (!sighting.is_used || !error_px(bundle, sighting).allFinite()) continue;
-            const Rows rows = rows_of(bundle, sighting);
-            if (!rows.camera.allFinite() || !rows.wand.allFinite()) continue;
+            const auto rows = rows_of(bundle, sighting);
+            if (!rows || !rows->camera.allFinite()) continue;
             const Eigen::Index at = kCameraValues * static_cast<Eigen::Index>(sighting.camera);
             is_in[sighting.camera] = 1;
             normal.block<kCameraValues, kCameraValues>(at, at) +=
-                weight * rows.camera.transpose() * rows.camera;
-            of_wand += weight * rows.wand.transpose() * rows.wand;
+                weight * rows->camera.transpose() * rows->camera;
+            of_wand += weight * rows->wand.transpose() * rows->wand;
             if (shared.empty() || shared.back().first != at)
                 shared.emplace_back(at, Eigen::Matrix<double, kCameraValues, kPoseValues>::Zero());
-            shared.back().second += weight * rows.camera.transpose() * rows.wand;
+            shared.back().second += weight * rows->camera.transpose() * rows->wand;
         }
-        const Eigen::Matrix<double, kPoseValues, kPoseValues> inverse = of_wand.inverse();
+        const Eigen::Matrix<double, kPoseValues, kPoseValues> inverse = geometry::solve_symmetric(
+            of_wand, Eigen::Matrix<double, kPoseValues, kPoseValues>::Identity());
         for (const auto& [row, left] : shared)
             for (const auto& [column, right] : shared)
                 normal.block<kCameraValues, kCameraValues>(row, column) -=
@@ -125,7 +120,7 @@ std::vector<CameraUncertainty> uncertainty_of(const Bundle& bundle,
         }
     }
     const Eigen::MatrixXd covariance =
-        normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+        geometry::solve_symmetric(normal, Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
     std::vector<CameraUncertainty> result(bundle.cameras.size());
     for (std::size_t c = 0; c < result.size(); ++c) {
         if (is_in[c] == 0) continue;

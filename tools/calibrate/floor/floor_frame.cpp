@@ -1,6 +1,7 @@
 #include "tools/calibrate/floor/floor_frame.hpp"
 
-#include <Eigen/Dense>
+#include "core/geometry/alignment.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,14 +28,14 @@ Expected<FloorFrame> floor_frame(const FloorMarks& marks,
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
     for (const Eigen::Vector3d& mark : marks.on_floor)
         spread += (mark - middle) * (mark - middle).transpose() / n;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);  // ascending
-    if (std::sqrt(std::max(0.0, axes.eigenvalues()[1])) < kLeastSpread_m)
+    const geometry::PrincipalAxes axes = geometry::principal_axes(spread);
+    if (std::sqrt(std::max(0.0, axes.values[1])) < kLeastSpread_m)
         return make_error(ErrorKind::kInvalidData,
                           "the places on the floor lie on a line, or within a few centimetres: "
                           "spread them over the floor, with a right angle between them");
     FloorFrame frame;
-    frame.rms_m = std::sqrt(std::max(0.0, axes.eigenvalues()[0]));
-    Eigen::Vector3d up = axes.eigenvectors().col(0);
+    frame.rms_m = std::sqrt(std::max(0.0, axes.values[0]));
+    Eigen::Vector3d up = axes.axes.col(0);
     const auto on_plane = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
         return point - up * up.dot(point - middle);
     };

@@ -3,10 +3,10 @@
 #include "core/base/looked_up.hpp"
 #include "core/base/readable.hpp"
 #include "core/config/toml_nesting.hpp"
+#include "core/geometry/alignment.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 #include <toml.hpp>
 
@@ -232,8 +232,7 @@ std::optional<Eigen::Matrix3d> rotation_of(const std::vector<double>& values) {
         Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
     const double error = (m.transpose() * m - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
     if (!(error < kMaxRotationError) || !(m.determinant() > 0.0)) return std::nullopt;
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    return Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose());
+    return geometry::rotation_of(m);
 }
 
 }  // namespace atrium::calibrate

@@ -1,6 +1,6 @@
 #include "tools/calibrate/formats/lens_fit.hpp"
 
-#include <Eigen/QR>
+#include "core/geometry/alignment.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -30,7 +30,7 @@ LensFit fit_pairs(const geometry::PinholeCamera& camera, const std::vector<Pair>
     }
     LensFit fit;
     if (pairs.size() < 5) return fit;
-    const Eigen::VectorXd c = a.colPivHouseholderQr().solve(b);
+    const Eigen::VectorXd c = geometry::solve_least_squares(a, b);
     for (int i = 0; i < 5; ++i) fit.distortion[static_cast<std::size_t>(i)] = c[i];
     const Eigen::VectorXd residual = a * c - b;
     for (Eigen::Index i = 0; i < residual.size(); i += 2) {

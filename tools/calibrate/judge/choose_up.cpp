@@ -1,8 +1,8 @@
 #include "tools/calibrate/judge/choose_up.hpp"
 
+#include "core/geometry/alignment.hpp"
 #include "tools/calibrate/judge/angles.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -109,8 +109,8 @@ LevelFit perpendicular_to(const std::vector<Eigen::Vector3d>& sides) {
     for (const Eigen::Vector3d& side : sides)
         sum +=
             side * side.transpose() / static_cast<double>(std::max<std::size_t>(sides.size(), 1));
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sum);
-    return {solver.eigenvectors().col(0), solver.eigenvalues()[1] > kApartSquare};
+    const geometry::PrincipalAxes found = geometry::principal_axes(sum);
+    return {found.axes.col(0), found.values[1] > kApartSquare};
 }
 
 // As `perpendicular_to`, but minimises the deviations rather than their squares, so that a few
@@ -121,7 +121,7 @@ LevelFit level_along(const std::vector<Eigen::Vector3d>& sides) {
         Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
         for (const Eigen::Vector3d& side : sides)
             sum += side * side.transpose() / std::max(std::abs(side.dot(fit.up)), kLevelWithin);
-        fit.up = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors().col(0);
+        fit.up = geometry::principal_axes(sum).axes.col(0);
     }
     return fit;
 }
@@ -197,8 +197,7 @@ double error_deg_of(const std::vector<Eigen::Vector3d>& sides, const LevelFit& f
         information += side * side.transpose();
         squares += std::pow(side.dot(fit.up), 2);
     }
-    const Eigen::Vector3d along =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(information).eigenvalues();
+    const Eigen::Vector3d along = geometry::principal_axes(information).values;
     const double variance = squares / static_cast<double>(sides.size() - 2);
     return std::max(kLeastError_deg,
                     kDegreesPerRad * std::sqrt(variance * (1.0 / along[1] + 1.0 / along[2])));

@@ -1,8 +1,7 @@
 #include "tools/calibrate/judge/measured_heights.hpp"
 
+#include "core/geometry/alignment.hpp"
 #include "tools/calibrate/judge/angles.hpp"
-
-#include <Eigen/Dense>
 
 #include <algorithm>
 #include <cmath>
@@ -107,9 +106,8 @@ HeightFit fit_heights(Centres centres, Heights heights, const UpGuess& guess) {
     }
     fit.floor_m = mean_floor(centres, heights, fit.up);
     fit.deviation_m = largest_deviation(centres, heights, fit);
-    const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(
-                             normal_at(centres, heights, guess, fit.up).information)
-                             .eigenvalues()[0];
+    const double least =
+        geometry::eigenvalues_of(normal_at(centres, heights, guess, fit.up).information)[0];
     fit.error_deg = kDegreesPerRad / std::sqrt(least);
     fit.has_both_tilts = fit.error_deg < kFromHeights * guess.error_deg;
     return fit;
@@ -154,10 +152,11 @@ std::optional<double> scale_of_heights(Centres centres,
     }
     places.rowwise() -= places.colwise().mean().eval();
     metres.array() -= metres.mean();
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(places, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    if (svd.singularValues()[2] < kNoPlane_m * std::sqrt(static_cast<double>(num)))
+    const Eigen::Matrix3d squares = places.transpose() * places;
+    if (geometry::principal_axes(squares).values[0] <
+        kNoPlane_m * kNoPlane_m * static_cast<double>(num))
         return std::nullopt;
-    const Eigen::Vector3d scaled_up = svd.solve(metres);
+    const Eigen::Vector3d scaled_up = geometry::solve_least_squares(places, metres);
     const double scale = scaled_up.norm();
     if (std::abs(scale - 1.0) < kOtherScale || scaled_up.dot(up) < kAboutUp * scale)
         return std::nullopt;

@@ -1,8 +1,8 @@
 #include "tools/calibrate/judge/rig_judge.hpp"
 
+#include "core/geometry/alignment.hpp"
 #include "tools/calibrate/judge/choose_up.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <fmt/format.h>
 
@@ -68,8 +68,7 @@ Convergence measure_convergence(Cameras cameras) {
         if (axis.dot(to_point) > std::cos(kLooksWithin_rad) * to_point.norm()) ++result.num_looking;
     }
     result.median_distance = median(distances);
-    const double along =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(directions).eigenvalues()[2];
+    const double along = geometry::principal_axes(directions).values[2];
     result.spread = std::max(0.0, 1.0 - along);
     result.tilt = choose_up(cameras).mean_tilt;
     // a place far nearer to some cameras than to others is no room

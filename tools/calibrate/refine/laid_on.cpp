@@ -1,6 +1,6 @@
+#include "core/geometry/alignment.hpp"
 #include "tools/calibrate/refine/refine.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <cmath>
@@ -46,7 +46,7 @@ std::vector<geometry::CalibratedCamera> laid_on(std::vector<geometry::Calibrated
             by.block<3, 3>(0, 0) = Eigen::Matrix3d::Identity() / kStays_rad;
             add(by, turn.angle() * turn.axis() / kStays_rad);
         }
-        const Similarity step = normal.ldlt().solve(right);
+        const Similarity step = geometry::solve_symmetric(normal, right);
         const Eigen::Vector3d turn = step.head<3>();
         const Eigen::Quaterniond rotation =
             turn.norm() > 0.0

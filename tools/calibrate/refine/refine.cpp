@@ -1,8 +1,8 @@
 #include "tools/calibrate/refine/refine.hpp"
 
+#include "core/geometry/alignment.hpp"
 #include "site_node/coherence/camera_fit.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 #include <fmt/format.h>
@@ -321,14 +321,14 @@ private:
             1.0 / (kExpectedDilation_px * kExpectedDilation_px);
         const Eigen::MatrixXd poses =
             normal.topLeftCorner(n, n) -
-            normal.topRightCorner(n, all - n) * normal.bottomRightCorner(all - n, all - n)
-                                                    .ldlt()
-                                                    .solve(normal.bottomLeftCorner(all - n, n));
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(poses);
+            normal.topRightCorner(n, all - n) *
+                geometry::solve_symmetric(normal.bottomRightCorner(all - n, all - n),
+                                          normal.bottomLeftCorner(all - n, n));
+        const geometry::DynamicAxes solver = geometry::principal_axes(poses);
         const Eigen::Index frame = options_.cameras.empty() ? kFrame : 0;
         if (n <= frame) return;
-        const double least = std::max(1e-12, solver.eigenvalues()[frame]);
-        const Eigen::VectorXd direction = solver.eigenvectors().col(frame) / std::sqrt(least);
+        const double least = std::max(1e-12, solver.values[frame]);
+        const Eigen::VectorXd direction = solver.axes.col(frame) / std::sqrt(least);
         constexpr double kMost_deg = 10.0, kMost_mm = 1000.0;
         for (Eigen::Index at = 0; at < n; at += 6) {
             result.weakest_deg =

@@ -1,9 +1,7 @@
 #include "tools/calibrate/report/compare_rigs.hpp"
 
+#include "core/geometry/alignment.hpp"
 #include "tools/calibrate/adjust/median.hpp"
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
@@ -51,8 +49,8 @@ Directions directions_of(const geometry::PinholeCamera& lens) {
 }
 
 // The rotation that lays the directions of one lens on those of another one (Kabsch 1976).
-Eigen::Quaterniond rotation_between(const geometry::PinholeCamera& from,
-                                    const geometry::PinholeCamera& to) {
+Eigen::Quaterniond rotation_between_lenses(const geometry::PinholeCamera& from,
+                                           const geometry::PinholeCamera& to) {
     const Directions a = directions_of(from), b = directions_of(to);
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     int count = 0;
@@ -62,10 +60,7 @@ Eigen::Quaterniond rotation_between(const geometry::PinholeCamera& from,
         ++count;
     }
     if (count < 3) return Eigen::Quaterniond::Identity();
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
-    sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-    return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * sign * svd.matrixV().transpose()));
+    return Eigen::Quaterniond(geometry::rotation_of(sum));
 }
 
 Both in_both(const geometry::CalibratedCamera& old_camera,
@@ -73,7 +68,7 @@ Both in_both(const geometry::CalibratedCamera& old_camera,
     Both both{old_camera.camera_from_site.inverse(), new_camera.camera_from_site.inverse()};
     both.new_site_from_camera.rotation =
         both.new_site_from_camera.rotation *
-        rotation_between(old_camera.intrinsics, new_camera.intrinsics);
+        rotation_between_lenses(old_camera.intrinsics, new_camera.intrinsics);
     return both;
 }
 
@@ -132,20 +127,19 @@ geometry::RigidTransform agreed(const std::vector<Both>& cameras) {
     return best;
 }
 
-// Mean rotation of the cameras (Markley et al., 2007), mean shift of their centres.
+// Mean rotation of the cameras (Moakher, 2002: the projected arithmetic mean), mean shift of their
+// centres.
 geometry::RigidTransform mean_over(const std::vector<const Both*>& cameras) {
-    Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     Eigen::Vector3d old_middle = Eigen::Vector3d::Zero(), new_middle = Eigen::Vector3d::Zero();
     for (const Both* camera : cameras) {
-        const Eigen::Vector4d q = laid_on(*camera).rotation.coeffs();
-        sum += q * q.transpose();
+        sum += laid_on(*camera).rotation.toRotationMatrix();
         old_middle += camera->old_site_from_camera.translation;
         new_middle += camera->new_site_from_camera.translation;
     }
     const auto n = static_cast<double>(cameras.size());
     geometry::RigidTransform mean;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(sum);
-    mean.rotation = Eigen::Quaterniond(Eigen::Vector4d(solver.eigenvectors().col(3))).normalized();
+    mean.rotation = Eigen::Quaterniond(geometry::rotation_of(sum)).normalized();
     mean.translation = old_middle / n - mean.rotation * (new_middle / n);
     return mean;
 }

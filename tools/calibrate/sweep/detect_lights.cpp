@@ -1,6 +1,6 @@
 #include "tools/calibrate/sweep/detect_lights.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "core/geometry/alignment.hpp"
 
 #include <algorithm>
 #include <array>
@@ -325,10 +325,7 @@ void LightDetector::take_spot(const std::vector<Bright>& spot,
     // a pixel is a square, not a point
     const Eigen::Matrix2d spread =
         half_squares / num_half - mean * mean.transpose() + Eigen::Matrix2d::Identity() / 12.0;
-    const Eigen::Vector2d deviations = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread)
-                                           .eigenvalues()
-                                           .cwiseMax(0.0)
-                                           .cwiseSqrt();
+    const Eigen::Vector2d deviations = geometry::eigenvalues_of(spread).cwiseMax(0.0).cwiseSqrt();
     DetectedLight light;
     light.width_px = 4.0 * deviations[0];                                         // of a disc
     light.length_px = std::max(light.width_px, std::sqrt(12.0) * deviations[1]);  // of a streak

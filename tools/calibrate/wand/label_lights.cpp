@@ -1,6 +1,6 @@
 #include "tools/calibrate/wand/label_lights.hpp"
 
-#include <Eigen/Dense>
+#include "core/geometry/alignment.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -179,11 +179,10 @@ void LightLabeller::find_bodies(std::span<const Eigen::Vector2d> points,
     const Eigen::Vector3d origin = lights[order_[0]];
     Eigen::Matrix<double, 3, 2> sides;
     sides << lights[order_[1]] - origin, lights[order_[2]] - origin;
-    const auto solver = sides.colPivHouseholderQr();
     std::vector<Eigen::Vector2d> shares(n);
     for (std::size_t k = 3; k < n; ++k) {
         const Eigen::Vector3d light = lights[order_[k]] - origin;
-        shares[k] = solver.solve(light);
+        shares[k] = geometry::solve_least_squares(sides, light);
         if ((sides * shares[k] - light).norm() > 0.05 * wand_.length_m()) return;  // not flat
     }
     const auto try_triangle = [&](std::size_t a, std::size_t b, std::size_t c) {

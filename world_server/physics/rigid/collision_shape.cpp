@@ -1,10 +1,10 @@
 #include "world_server/physics/rigid/collision_shape.hpp"
 
 #include "core/geometry/aabb.hpp"
+#include "core/geometry/alignment.hpp"
 #include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/rigid/convex_hull.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <LinearMath/btConvexHullComputer.h>
 #include <btBulletDynamicsCommon.h>
 
@@ -71,16 +71,15 @@ std::unique_ptr<btConvexHullShape> make_hull(const geometry::TriangleMesh& part,
 
 // Returns the rotation from the principal axes. Identity if the frame's own axes are principal, as
 // for a box.
-Eigen::Quaterniond principal_axes(const Eigen::Matrix3d& inertia, Eigen::Vector3d& moments) {
+Eigen::Quaterniond rotation_of_axes(const Eigen::Matrix3d& inertia, Eigen::Vector3d& moments) {
     const double size = inertia.diagonal().maxCoeff();
     const Eigen::Matrix3d off = inertia - Eigen::Matrix3d(inertia.diagonal().asDiagonal());
     if (off.cwiseAbs().maxCoeff() <= 1e-4 * size) {
         moments = inertia.diagonal();
         return Eigen::Quaterniond::Identity();
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
-    moments = solver.eigenvalues();
-    Eigen::Matrix3d axes = solver.eigenvectors();
+    auto [values, axes] = geometry::principal_axes(inertia);
+    moments = values;
     if (axes.determinant() < 0.0) axes.col(2) = -axes.col(2);
     return Eigen::Quaterniond(axes).normalized();
 }
@@ -107,7 +106,7 @@ CollisionShape::~CollisionShape() = default;
 void CollisionShape::make_parts(const RigidObject& object, const HullOptions& options) {
     const MassProperties mass = mass_properties(*object.parts);
     Eigen::Vector3d moments;
-    object_from_body_.rotation = principal_axes(mass.inertia, moments);
+    object_from_body_.rotation = rotation_of_axes(mass.inertia, moments);
     object_from_body_.translation = mass.centre;
     inertia_ = object.mass_kg / mass.volume_m3 * moments;
     const geometry::RigidTransform body_from_object = object_from_body_.inverse();
