@@ -105,6 +105,36 @@ void fields(auto& v, Of<StageTimes> auto& m, auto& w) {
     v("SiteStatus.stages", m.publishing_ms, w.publishing_ms, kStatistic);
 }
 
+void fields(auto& v, Of<CameraCoherence> auto& m, auto& w) {
+    v("SiteStatus.coherence.cameras.name", m.name, w.name, Text::kName);
+    v("SiteStatus.coherence.cameras.rms_px", m.rms_px, w.rms_px, kStatistic);
+    v("SiteStatus.coherence.cameras.share", m.share, w.share, Range{0, 1});
+    v(m.num_tangencies, w.num_tangencies);
+}
+
+void fields(auto& v, Of<RigFault> auto& m, auto& w) {
+    const RangeOrNone certain{kStatistic, -1.0};
+    const Range instants = within(kMaxStatistic);
+    v("SiteStatus.coherence.fault.camera", m.camera, w.camera, AtMost{kMaxCamerasPerSite - 1});
+    v("SiteStatus.coherence.fault.turned_deg", m.turned_deg, w.turned_deg, certain);
+    v("SiteStatus.coherence.fault.moved_mm", m.moved_mm, w.moved_mm, certain);
+    v("SiteStatus.coherence.fault.is_either", m.is_either, w.is_either);
+    v("SiteStatus.coherence.fault.late_instants", m.late_instants, w.late_instants, instants);
+    v("SiteStatus.coherence.fault.effect_px", m.effect_px, w.effect_px, kStatistic);
+    v("SiteStatus.coherence.fault.cure", m.cure, w.cure, Text::kLine);
+}
+
+void fields(auto& v, Of<RigCoherence> auto& m, auto& w) {
+    v("SiteStatus.coherence.verdict", m.verdict, w.verdict, Last{RigVerdict::kIncoherent});
+    v("SiteStatus.coherence.rms_px", m.rms_px, w.rms_px, kStatistic);
+    v(m.num_instants, w.num_instants);
+    v("SiteStatus.coherence.cameras", m.cameras, w.cameras, AtMost{kMaxCamerasPerSite});
+    v.part(m.fault, w.fault);
+    v.rule("SiteStatus.coherence.fault.camera",
+           !m.has_fault() || m.fault.camera < m.cameras.size(),
+           "is no camera of the rig");
+}
+
 void fields(auto& v, Of<ProcessorUse> auto& m, auto& w) {
     v(m.run_ns, w.run_ns);
     v(m.waited_ns, w.waited_ns);
@@ -294,6 +324,7 @@ void fields(auto& v, Of<SiteStatus> auto& m, auto& w) {
     v("SiteStatus.texture_bytes_per_s", m.texture_bytes_per_s, w.texture_bytes_per_s, kStatistic);
     v.part(m.processor, w.processor);
     v("first_output_s", m.first_output_s, w.first_output_s, kStatistic);
+    v.part(m.coherence, w.coherence);
 }
 
 void fields(auto& v, Of<WorldStatus> auto& m, auto& w) {

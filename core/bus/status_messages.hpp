@@ -68,6 +68,43 @@ struct StageTimes {
     bool operator==(const StageTimes&) const = default;
 };
 
+/// How far one camera of a rig agrees with the others.
+struct CameraCoherence {
+    std::string name;
+    double rms_px = 0.0;  // of its tangencies, robust
+    double share = 1.0;   // of its tangencies that fit, in [0, 1]
+    std::uint32_t num_tangencies = 0;
+
+    bool operator==(const CameraCoherence&) const = default;
+};
+
+/// What is wrong with one camera, and its cure.
+struct RigFault {
+    std::uint32_t camera = 0;    // index into RigCoherence::cameras
+    double turned_deg = -1.0;    // since the calibration; -1: not certain
+    double moved_mm = -1.0;      // since the calibration; -1: not certain
+    bool is_either = false;      // the turn or the motion alone explains all
+    double late_instants = 0.0;  // its pictures show what was so many instants before
+    double effect_px = 0.0;      // in its pictures
+    std::string cure;            // printable: the command that mends the rig, or what to check
+
+    bool operator==(const RigFault&) const = default;
+};
+
+enum class RigVerdict : std::uint8_t { kUnknown, kCoherent, kMoved, kLate, kIncoherent };
+
+/// Whether silhouettes show that a site's cameras are where its rig says.
+struct RigCoherence {
+    RigVerdict verdict = RigVerdict::kUnknown;
+    double rms_px = 0.0;                   // of all tangencies, robust
+    std::uint32_t num_instants = 0;        // that were judged
+    std::vector<CameraCoherence> cameras;  // in the order of SiteDescription; empty: not judged yet
+    RigFault fault;                        // if `has_fault`
+
+    bool has_fault() const { return verdict == RigVerdict::kMoved || verdict == RigVerdict::kLate; }
+    bool operator==(const RigCoherence&) const = default;
+};
+
 /// The state of a site node. 1 Hz. Counters start with the program.
 struct SiteStatus {
     std::string site;
@@ -91,6 +128,7 @@ struct SiteStatus {
     double texture_bytes_per_s = 0.0;  // part of bytes_per_s
     ProcessorUse processor;
     double first_output_s = 0.0;  // from process start to the first metaframe; 0: none yet
+    RigCoherence coherence;
 };
 
 /// The state of a world server. 1 Hz. Counters start with the program.

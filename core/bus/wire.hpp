@@ -26,6 +26,7 @@ using WireOf = typename Topic<Message>::Wire;
 using WireScratch = std::tuple<std::vector<atrium_Camera>,
                                std::vector<atrium_ObjectState>,
                                std::vector<atrium_CameraStatus>,
+                               std::vector<atrium_CameraCoherence>,
                                std::vector<atrium_SavedWorld>,
                                std::vector<atrium_ProxyPoint>,
                                std::vector<atrium_Touch>>;

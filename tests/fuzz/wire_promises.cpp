@@ -20,6 +20,20 @@ std::string broken_by_process(const ProcessorUse& use, double first_output_s) {
     return unless(first_output_s >= 0.0, "a time");
 }
 
+std::string broken_by_coherence(const bus::RigCoherence& coherence) {
+    if (coherence.verdict > bus::RigVerdict::kIncoherent) return "a verdict";
+    if (coherence.cameras.size() > bus::kMaxCamerasPerSite) return "too many cameras of a rig";
+    for (const bus::CameraCoherence& camera : coherence.cameras) {
+        if (camera.rms_px < 0.0 || camera.share < 0.0 || camera.share > 1.0) return "a camera";
+    }
+    const bus::RigFault& fault = coherence.fault;
+    if (coherence.has_fault() && fault.camera >= coherence.cameras.size()) return "no camera";
+    for (const double value : {fault.turned_deg, fault.moved_mm}) {
+        if (value < 0.0 && value != -1.0) return "a motion";
+    }
+    return unless(coherence.rms_px >= 0.0 && fault.effect_px >= 0.0, "an error");
+}
+
 }  // namespace
 
 std::string broken_promise(const bus::SiteDescription& message) {
@@ -159,6 +173,8 @@ std::string broken_promise(const bus::SiteStatus& message) {
                                stages.publishing_ms}) {
         if (value < 0.0) return "a rate or a time";
     }
+    const std::string coherence = broken_by_coherence(message.coherence);
+    if (!coherence.empty()) return coherence;
     return broken_by_process(message.processor, message.first_output_s);
 }
 

@@ -332,6 +332,22 @@ TEST(FromWire, RefusesAFeedbackKeyWithABadName) {
     EXPECT_FALSE(key_from_wire<StreamFeedback>(key).has_value());
 }
 
+TEST(FromWire, RefusesAFaultOfACameraThatTheRigLacks) {
+    SiteStatus status;
+    status.site = "room";
+    status.coherence = {RigVerdict::kMoved, 0.4, 48, {{"north", 0.4, 0.9, 300}}, {}};
+    expect_each_refused<SiteStatus>(
+        status,
+        {{"coherence.fault.camera", [](auto& w) { w.coherence.fault.camera = 1; }},
+         {"coherence.fault.camera", [](auto& w) { w.coherence.cameras._length = 0; }},
+         {"coherence.verdict", [](auto& w) { w.coherence.verdict = 5; }},
+         {"coherence.fault.cure",
+          [](auto& w) { spoil_text(w.coherence.fault.cure, "a\033[2J"); }}});
+    status.coherence.fault.camera = 7;
+    status.coherence.verdict = RigVerdict::kCoherent;  // without a fault it means nothing
+    EXPECT_TRUE(check(status));
+}
+
 TEST(FromWire, NormalisesAQuaternionWithASmallError) {
     WireScratch scratch;
     atrium_SitePlacement wire{};
