@@ -1,6 +1,7 @@
 #include "site_node/coherence_watcher.hpp"
 
 #include "core/app/log.hpp"
+#include "core/bus/names.hpp"
 #include "site_node/coherence/fault_text.hpp"
 
 #include <fmt/format.h>
@@ -24,6 +25,11 @@ double thread_cpu_s() {
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
+std::string refine_command(const std::string& rig, const std::string& camera) {
+    return fmt::format(
+        "calibrate refine {} --camera {} --recording DIR -o mended.toml", rig, camera);
+}
+
 }  // namespace
 
 CoherenceWatcher::CoherenceWatcher(std::vector<geometry::CalibratedCamera> cameras,
@@ -45,8 +51,9 @@ CoherenceWatcher::~CoherenceWatcher() {
 bool CoherenceWatcher::wants(std::uint64_t frame_id, Clock::time_point now) {
     if (cameras_.size() < 3) return false;
     if (before_id_) return frame_id > *before_id_;
-    if (now < due_) return false;
+    if (now < due_ || is_looking_) return false;
     due_ = now + kSightPeriod;
+    wanted_at_ = now;
     return true;
 }
 
@@ -59,7 +66,8 @@ void CoherenceWatcher::put(std::uint64_t frame_id, std::vector<views::NamedView>
     // metaframes between them were dropped: the motion is unknown
     if (frame_id != *before_id_ + 1) before_.clear();
     before_id_.reset();
-    slot_.put({std::move(views), std::exchange(before_, {})});
+    is_looking_ = true;
+    slot_.put({std::move(views), std::exchange(before_, {}), wanted_at_});
 }
 
 void CoherenceWatcher::run(std::stop_token stop) {
@@ -67,6 +75,7 @@ void CoherenceWatcher::run(std::stop_token stop) {
     while (const auto pair = slot_.take(stop)) {
         look(*pair);
         cpu_s_ = thread_cpu_s();
+        is_looking_ = false;
     }
 }
 
@@ -87,8 +96,30 @@ void CoherenceWatcher::look(const Pair& pair) {
     coherence::Sight sight;
     sight.now = hulls_of(pair.now);
     if (!pair.before.empty()) sight.before = hulls_of(pair.before);
-    if (const auto report = watch_.look(sight, Clock::now()))
-        app::log::warn("{}", text_of(*report));
+    const auto judgement = watch_.look(sight, pair.wanted_at);
+    if (!judgement) return;
+    tell(*judgement);
+    bus::RigCoherence status = status_of(judgement->report);
+    const std::lock_guard lock(newest_mutex_);
+    newest_ = std::move(status);
+}
+
+bus::RigCoherence CoherenceWatcher::newest() const {
+    const std::lock_guard lock(newest_mutex_);
+    return newest_;
+}
+
+void CoherenceWatcher::tell(const coherence::CoherenceWatch::Judgement& judgement) const {
+    const coherence::Report& report = judgement.report;
+    if (judgement.recovered) {
+        app::log::info(
+            "camera_coherent camera={} rms_px={:.2f} coherence_px={:.2f} reason=\"its silhouettes "
+            "agree with the rig again\"",
+            cameras_[*judgement.recovered].name,
+            report.cameras[*judgement.recovered].rms_px,
+            report.rms_px);
+    }
+    if (judgement.is_told) app::log::warn("{}", text_of(report));
 }
 
 std::string CoherenceWatcher::text_of(const coherence::Report& report) const {
@@ -102,14 +133,43 @@ std::string CoherenceWatcher::text_of(const coherence::Report& report) const {
     return fmt::format(
         "camera_moved camera={} effect_px={:.1f} coherence_px={:.2f} reason=\"{} {} since the "
         "calibration: fix it, record a person who walks through the room, and mend the rig with "
-        "`calibrate refine {} --camera {} --recording DIR -o mended.toml`\"",
+        "`{}`\"",
         name,
         fault.effect_px,
         report.rms_px,
         name,
         coherence::motion_text(fault),
-        rig_name_,
-        name);
+        refine_command(rig_name_, name));
+}
+
+bus::RigCoherence CoherenceWatcher::status_of(const coherence::Report& report) const {
+    bus::RigCoherence out;
+    static_assert(static_cast<int>(bus::RigVerdict::kIncoherent) ==
+                  static_cast<int>(coherence::Verdict::kIncoherent));
+    out.verdict = static_cast<bus::RigVerdict>(report.verdict);
+    out.rms_px = report.rms_px;
+    out.num_instants = static_cast<std::uint32_t>(report.num_sights);
+    for (std::size_t i = 0; i < report.cameras.size(); ++i) {
+        const coherence::CameraCoherence& camera = report.cameras[i];
+        out.cameras.push_back({cameras_[i].name,
+                               camera.rms_px,
+                               camera.share,
+                               static_cast<std::uint32_t>(camera.num_tangencies)});
+    }
+    if (!report.fault) return out;
+    const coherence::NamedFault& fault = *report.fault;
+    const std::string& name = cameras_[fault.camera].name;
+    out.fault = {static_cast<std::uint32_t>(fault.camera),
+                 fault.turned_deg.value_or(-1.0),
+                 fault.moved_mm.value_or(-1.0),
+                 fault.is_either,
+                 fault.late_instants,
+                 fault.effect_px,
+                 report.verdict == coherence::Verdict::kLate ? coherence::late_cure(fault)
+                                                             : refine_command(rig_name_, name)};
+    // a path that no line of the status may hold
+    if (!bus::is_valid_line(out.fault.cure)) out.fault.cure = refine_command("RIG.toml", name);
+    return out;
 }
 
 void CoherenceWatcher::finish() {

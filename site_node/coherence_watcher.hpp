@@ -1,11 +1,14 @@
 #pragma once
 
 #include "core/base/latest_slot.hpp"
+#include "core/bus/status_messages.hpp"
 #include "site_node/coherence/coherence_watch.hpp"
 #include "site_node/views/named_view.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -14,8 +17,9 @@
 namespace atrium::site_node {
 
 /// Watches whether the cameras of a running site are still where its rig says, in a thread of the
-/// lowest priority, and logs which one was moved or is late. Costs the stages of the pipeline
-/// copies of the contours of two metaframes in a row, twice a second.
+/// lowest priority: logs which one was moved or is late, and has the newest judgement for the
+/// status. Costs the stages of the pipeline copies of the contours of two metaframes in a row,
+/// twice a second.
 class CoherenceWatcher {
 public:
     using Clock = std::chrono::steady_clock;
@@ -26,10 +30,16 @@ public:
                      std::string rig_name);
     ~CoherenceWatcher();
 
-    /// True if it wants the contours of metaframe `frame_id`. One caller.
+    /// True if it wants the contours of metaframe `frame_id`: never before it is done with the
+    /// last. One caller.
     bool wants(std::uint64_t frame_id, Clock::time_point now);
     /// Hands over what it wants, of the cameras that delivered.
     void put(std::uint64_t frame_id, std::vector<views::NamedView> views);
+
+    /// True while it looks at what was put last. Any thread.
+    bool is_looking() const { return is_looking_; }
+    /// The newest judgement, with the fault that holds. Any thread.
+    bus::RigCoherence newest() const;
 
     /// Ends the thread and logs the summary. Later calls do nothing.
     void finish();
@@ -37,12 +47,15 @@ public:
 private:
     struct Pair {
         std::vector<views::NamedView> now, before;
+        Clock::time_point wanted_at;
     };
     void run(std::stop_token stop);
     void look(const Pair& pair);
     std::vector<coherence::SilhouetteHull> hulls_of(
         const std::vector<views::NamedView>& views) const;
+    void tell(const coherence::CoherenceWatch::Judgement& judgement) const;
     std::string text_of(const coherence::Report& report) const;
+    bus::RigCoherence status_of(const coherence::Report& report) const;
 
     const std::vector<geometry::CalibratedCamera> cameras_;
     const double rate_hz_;
@@ -51,10 +64,14 @@ private:
     Clock::time_point due_{};
     std::optional<std::uint64_t> before_id_;
     std::vector<views::NamedView> before_;
+    Clock::time_point wanted_at_{};
     // of the thread, and after its end of `finish`
     coherence::CoherenceWatch watch_;
     double cpu_s_ = 0.0;
     LatestSlot<Pair> slot_;
+    std::atomic<bool> is_looking_ = false;  // at what was put last
+    mutable std::mutex newest_mutex_;
+    bus::RigCoherence newest_;
     std::jthread thread_;  // last: uses the members above
 };
 

@@ -104,6 +104,7 @@ bus::SiteStatus SiteNode::status() const {
     status.stream = stream_.state();
     stage_times_.put_into(status);
     status.first_output_s = first_output_s_;
+    status.coherence = coherence_watcher_.newest();
     const std::lock_guard lock(processor_mutex_);
     status.processor = processor_;
     return status;

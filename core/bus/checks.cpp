@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -98,10 +97,7 @@ private:
         const bool may_be_empty = kind == Text::kNameOrNone || kind == Text::kModelFileOrNone;
         if (text.empty() && may_be_empty) return;
         if (kind == Text::kLine) {
-            const bool is_printable =
-                std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
-            if (!is_printable || text.size() > kMaxTextLength)
-                fail(name, "must be at most 255 printable ASCII characters");
+            if (!is_valid_line(text)) fail(name, "must be at most 255 printable ASCII characters");
             return;
         }
         if (kind == Text::kName || kind == Text::kNameOrNone) {

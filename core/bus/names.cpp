@@ -30,4 +30,9 @@ bool is_valid_model_file(std::string_view file) {
     return !begins_part;
 }
 
+bool is_valid_line(std::string_view text) {
+    return text.size() <= kMaxTextLength &&
+           std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+}
+
 }  // namespace atrium::bus

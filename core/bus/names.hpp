@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-/// Checks names that appear in messages and in world files.
+/// Checks names and texts that appear in messages and in world files.
 namespace atrium::bus {
 
 /// True for 1..63 characters of [A-Za-z0-9_.-].
@@ -11,5 +11,8 @@ bool is_valid_name(std::string_view name);
 /// True for a relative path of 1..127 characters of [A-Za-z0-9_.-/] without a component that is
 /// empty or begins with a dot. The path cannot leave the folder that it is appended to.
 bool is_valid_model_file(std::string_view file);
+
+/// True for at most 255 printable ASCII characters; may be empty.
+bool is_valid_line(std::string_view text);
 
 }  // namespace atrium::bus

@@ -1,21 +1,63 @@
 #include "site_node/coherence/coherence_watch.hpp"
 
-namespace atrium::coherence {
+#include <algorithm>
 
-std::optional<Report> CoherenceWatch::look(const Sight& sight, Clock::time_point now) {
+namespace atrium::coherence {
+namespace {
+
+constexpr double kAsWell = 1.5;  // of the errors of all
+
+// A rig is also called coherent if a second fault hides the first one.
+bool is_well(const Report& report, std::size_t camera) {
+    return report.verdict == Verdict::kCoherent &&
+           report.cameras[camera].rms_px <=
+               std::max(Coherence::kLeastEffect_px, kAsWell * report.rms_px);
+}
+
+}  // namespace
+
+std::optional<CoherenceWatch::Judgement> CoherenceWatch::look(const Sight& sight,
+                                                              Clock::time_point now) {
     coherence_.add(sight);
     ++num_looks_;
     if (last_judgement_ && now - *last_judgement_ < kJudgementPeriod) return std::nullopt;
     last_judgement_ = now;
-    Report report = coherence_.judge();
+    Judgement judgement{.report = coherence_.judge(), .recovered = {}};
+    settle(judgement, now);
+    return judgement;
+}
+
+void CoherenceWatch::settle(Judgement& judgement, Clock::time_point now) {
+    Report& report = judgement.report;
     std::optional<Key> found;
     if (report.fault) found = Key(report.verdict, report.fault->camera);
-    const bool is_again = found && found == last_;
+    const bool is_held = held_ && found == Key(held_->first, held_->second.camera);
+    if (found && (is_held || found == last_)) {
+        if (held_ && held_->second.camera != found->second)
+            judgement.recovered = held_->second.camera;
+        held_ = {report.verdict, *report.fault};
+        judgement.is_told = found != told_ || now - told_at_ >= kRepeat;
+    }
     last_ = found;
-    if (!is_again || (found == told_ && now - told_at_ < kRepeat)) return std::nullopt;
-    told_ = found;
-    told_at_ = now;
-    return report;
+    if (judgement.is_told) {
+        told_ = found;
+        told_at_ = now;
+    }
+    const bool is_well_now = held_ && is_well(report, held_->second.camera);
+    if (is_well_now && was_well_) {
+        judgement.recovered = held_->second.camera;
+        held_.reset();
+        told_.reset();
+    }
+    was_well_ = is_well_now;
+    if (held_) {
+        report.verdict = held_->first;
+        report.fault = held_->second;
+    } else if (report.fault) {  // found once
+        report.verdict = settled_;
+        report.fault.reset();
+    }
+    settled_ = report.verdict;
 }
 
 }  // namespace atrium::coherence

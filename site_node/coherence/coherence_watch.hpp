@@ -10,8 +10,9 @@
 
 namespace atrium::coherence {
 
-/// Decides when a running site tells of a camera that was moved or is late: if two judgements in a
-/// row agree, then again after ten minutes. No threads; not thread-safe.
+/// Decides which faults of its rig a running site tells. A fault holds from two judgements in a row
+/// that find it, until two in a row find its camera well or a fault of another one. It is told when
+/// it begins, and every ten minutes. No threads; not thread-safe.
 class CoherenceWatch {
 public:
     using Clock = std::chrono::steady_clock;
@@ -21,8 +22,13 @@ public:
     explicit CoherenceWatch(std::vector<geometry::CalibratedCamera> cameras)
         : coherence_(std::move(cameras)) {}
 
-    /// Adds an instant. Returns a report with a fault if it is to be told now.
-    std::optional<Report> look(const Sight& sight, Clock::time_point now);
+    struct Judgement {
+        Report report;         // newest figures; the verdict and the fault that hold
+        bool is_told = false;  // the fault is to be told now
+        std::optional<std::size_t> recovered;  // the camera whose fault ended now
+    };
+    /// Adds an instant. Returns a judgement if one was due.
+    std::optional<Judgement> look(const Sight& sight, Clock::time_point now);
 
     Report judge() const { return coherence_.judge(); }
     std::size_t num_looks() const { return num_looks_; }
@@ -30,11 +36,16 @@ public:
 private:
     using Key = std::pair<Verdict, std::size_t>;  // camera
 
+    void settle(Judgement& judgement, Clock::time_point now);
+
     Coherence coherence_;
     std::size_t num_looks_ = 0;
     std::optional<Clock::time_point> last_judgement_;
     std::optional<Key> last_, told_;
     Clock::time_point told_at_{};
+    std::optional<std::pair<Verdict, NamedFault>> held_;
+    Verdict settled_ = Verdict::kTooLittle;
+    bool was_well_ = false;  // the camera of `held_`, at the last judgement
 };
 
 }  // namespace atrium::coherence

@@ -13,6 +13,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 namespace atrium::coherence {
 namespace {
@@ -189,34 +191,105 @@ TEST(Coherence, NeedsSomebodyWhoMoves) {
     EXPECT_EQ(report.num_sights, 1u);
 }
 
-TEST(CoherenceWatch, TellsOfABumpWithinHalfAMinuteAndOnce) {
-    const WalkFilm film(3);
-    Filming filming{rig()};
-    CoherenceWatch watch(rig());
-    CoherenceWatch::Clock::time_point now{};
-    const auto look = [&](std::size_t i) {
-        now += std::chrono::milliseconds(500);
-        return watch.look(film.sight(i % film.num_looks(), filming), now);
-    };
-    for (std::size_t i = 0; i < 60; ++i) EXPECT_FALSE(look(i));
-    filming.truth[6] = test::bumped(
-        filming.truth[6], Eigen::Vector3d(0.0, 0.0, 0.2 * std::numbers::pi / 180.0), {0, 0, 0});
-    std::vector<std::size_t> told;
-    for (std::size_t i = 60; i < 180; ++i) {
-        const auto report = look(i);
-        if (!report) continue;
-        told.push_back(i - 60);
-        EXPECT_EQ(report->verdict, Verdict::kMoved);
-        EXPECT_EQ(report->fault->camera, 6u);
-        EXPECT_EQ(motion_text(*report->fault).substr(0, 11), "turned by 0");
+class CoherenceWatchOfAWalk : public ::testing::Test {
+protected:
+    // Looks at the next instant of the walk. Returns a judgement if one was due.
+    std::optional<CoherenceWatch::Judgement> look() {
+        now_ += std::chrono::milliseconds(500);
+        return watch_.look(film_.sight(num_looks_++ % film_.num_looks(), filming_), now_);
     }
-    ASSERT_EQ(told.size(), 1u);
-    EXPECT_LE(told.front(), 60u);
+    void bump(std::size_t camera) {
+        filming_.truth[camera] =
+            test::bumped(filming_.truth[camera],
+                         Eigen::Vector3d(0.0, 0.0, 0.2 * std::numbers::pi / 180.0),
+                         Eigen::Vector3d::Zero());
+    }
+    // Number of looks until a fault is told.
+    std::size_t looks_until_told() {
+        for (std::size_t i = 1; i <= 120; ++i) {
+            const auto judgement = look();
+            if (judgement && judgement->is_told) return i;
+        }
+        return kNever;
+    }
+
+    static constexpr std::size_t kNever = 1000;
+    WalkFilm film_{3};
+    Filming filming_{rig()};
+    CoherenceWatch watch_{rig()};
+    CoherenceWatch::Clock::time_point now_{};
+    std::size_t num_looks_ = 0;
+};
+
+TEST_F(CoherenceWatchOfAWalk, TellsOfABumpWithinHalfAMinuteAndOnce) {
+    for (std::size_t i = 0; i < 60; ++i) {
+        const auto judgement = look();
+        EXPECT_FALSE(judgement && judgement->report.fault);
+    }
+    bump(6);
+    std::size_t num_told = 0;
+    std::size_t num_found = 0;
+    for (std::size_t i = 0; i < 120; ++i) {
+        const auto judgement = look();
+        if (!judgement) continue;
+        const Report& report = judgement->report;
+        num_found += watch_.judge().fault ? 1 : 0;
+        EXPECT_EQ(report.fault.has_value(), num_found >= 2) << "one judgement is not enough";
+        EXPECT_FALSE(judgement->recovered);
+        if (!report.fault) continue;
+        EXPECT_EQ(report.verdict, Verdict::kMoved);
+        EXPECT_EQ(report.fault->camera, 6u);
+        EXPECT_EQ(motion_text(*report.fault).substr(0, 11), "turned by 0");
+        if (!judgement->is_told) continue;
+        EXPECT_LE(i, 60u);
+        EXPECT_EQ(num_found, 2u);
+        ++num_told;
+    }
+    EXPECT_EQ(num_told, 1u);
     // and again after ten minutes
-    now += CoherenceWatch::kRepeat;
-    std::size_t num_again = 0;
-    for (std::size_t i = 180; i < 220; ++i) num_again += look(i) ? 1 : 0;
-    EXPECT_EQ(num_again, 1u);
+    now_ += CoherenceWatch::kRepeat;
+    EXPECT_NE(looks_until_told(), kNever);
+}
+
+TEST_F(CoherenceWatchOfAWalk, EndsAFaultIfTheCameraIsBack) {
+    bump(6);
+    ASSERT_NE(looks_until_told(), kNever);
+    filming_.truth = rig();
+    std::vector<std::size_t> recovered;
+    for (std::size_t i = 0; i < 120; ++i) {
+        const auto judgement = look();
+        if (!judgement) continue;
+        if (judgement->recovered) {
+            EXPECT_EQ(*judgement->recovered, 6u);
+            recovered.push_back(i);
+        }
+        EXPECT_FALSE(judgement->is_told);
+        EXPECT_EQ(judgement->report.fault.has_value(), recovered.empty());
+        EXPECT_EQ(judgement->report.verdict,
+                  recovered.empty() ? Verdict::kMoved : Verdict::kCoherent);
+    }
+    ASSERT_EQ(recovered.size(), 1u);
+    EXPECT_LE(recovered.front(), 60u);
+    // a new bump is news at once
+    bump(6);
+    EXPECT_LE(looks_until_told(), 60u);
+}
+
+// No single camera explains the errors then, so the verdict alone would be that all is well.
+TEST_F(CoherenceWatchOfAWalk, HoldsAFaultIfAnotherCameraMovesToo) {
+    bump(6);
+    ASSERT_NE(looks_until_told(), kNever);
+    bump(2);
+    std::size_t num_coherent = 0;
+    for (std::size_t i = 0; i < 120; ++i) {
+        const auto judgement = look();
+        if (!judgement) continue;
+        num_coherent += watch_.judge().verdict == Verdict::kCoherent ? 1 : 0;
+        EXPECT_FALSE(judgement->recovered);
+        ASSERT_TRUE(judgement->report.fault);
+        EXPECT_EQ(judgement->report.fault->camera, 6u);
+    }
+    EXPECT_GE(num_coherent, 2u);
 }
 
 TEST(FaultText, SaysWhatIsCertain) {

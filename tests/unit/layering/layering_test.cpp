@@ -66,7 +66,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"core/gl/", {"core/base/"}},
     {"core/codec/", {"core/base/", "core/geometry/", "core/image/"}},
     {"core/bus/", {"core/base/", "core/geometry/", "core/image/", "core/config/"}},
-    {"core/status/", {"core/base/", "core/bus/"}},
+    {"core/status/", {"core/base/", "core/bus/", "core/geometry/"}},
     {"core/app/", {"core/base/", "core/config/"}},
     {"core/presence/", {"core/base/", "core/bus/", "core/app/"}},
     {"simulation/",

@@ -1,0 +1,159 @@
+#include "site_node/coherence_watcher.hpp"
+
+#include "core/bus/checks.hpp"
+#include "core/bus/messages.hpp"
+#include "tests/support/comes_true.hpp"
+#include "tests/support/people/walk_film.hpp"
+#include "tests/support/people/walking_people.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace atrium::site_node {
+namespace {
+
+std::vector<geometry::CalibratedCamera> watched_rig() {
+    test::RingRigOptions options;
+    options.focal_px = 800.0;
+    auto rig = test::make_ring_rig(options);
+    for (std::size_t i = 0; i < rig.size(); ++i) rig[i].name = "cam" + std::to_string(i);
+    return rig;
+}
+
+bool is_sendable(const bus::RigCoherence& coherence) {
+    bus::SiteStatus status;
+    status.site = "lab";
+    status.coherence = coherence;
+    return bus::check(status).has_value();
+}
+
+std::size_t num_of(const std::string& part, const std::string& text) {
+    std::size_t num = 0;
+    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++num;
+    return num;
+}
+
+// A site whose watcher sees a walk twice a second, on a clock of the test.
+class WatchedWalk {
+public:
+    explicit WatchedWalk(std::vector<geometry::CalibratedCamera> rig,
+                         const std::string& rig_name = "lab.toml")
+        : rig_(rig), filming_{rig}, watcher_(rig, 30.0, rig_name) {}
+
+    // Shows it two metaframes in a row, and waits until it has looked at them.
+    void look() {
+        now_ += std::chrono::milliseconds(500);
+        const coherence::Sight sight = film_.sight(num_looks_++ % film_.num_looks(), filming_);
+        ASSERT_TRUE(watcher_.wants(++frame_id_, now_));
+        watcher_.put(frame_id_, views(sight.before));
+        ASSERT_TRUE(watcher_.wants(++frame_id_, now_));
+        watcher_.put(frame_id_, views(sight.now));
+        const auto later = now_ + std::chrono::milliseconds(499);
+        ASSERT_FALSE(watcher_.wants(frame_id_ + 1, later)) << "not before half a second is over";
+        ASSERT_TRUE(test_support::comes_true([&] { return !watcher_.is_looking(); }));
+    }
+    // Looks on for a minute at most, until a fault holds or does not.
+    bool comes_to_hold(bool holds) {
+        for (int i = 0; i < 120 && watcher_.newest().has_fault() != holds; ++i) look();
+        return watcher_.newest().has_fault() == holds;
+    }
+    CoherenceWatcher& watcher() { return watcher_; }
+    test::Filming& filming() { return filming_; }
+
+private:
+    std::vector<views::NamedView> views(const std::vector<coherence::SilhouetteHull>& hulls) const {
+        std::vector<views::NamedView> out;
+        for (std::size_t i = 0; i < hulls.size(); ++i) {
+            views::NamedView& view = out.emplace_back();
+            view.name = rig_[i].name;
+            view.view.contours = {hulls[i].points};
+        }
+        return out;
+    }
+
+    std::vector<geometry::CalibratedCamera> rig_;
+    test::WalkFilm film_{3};
+    std::uint64_t frame_id_ = 0;
+    std::size_t num_looks_ = 0;
+    CoherenceWatcher::Clock::time_point now_{std::chrono::hours(1)};
+    test::Filming filming_;
+    CoherenceWatcher watcher_;
+};
+
+TEST(CoherenceWatcher, HasACameraThatTurnedInTheStatusUntilItIsBack) {
+    testing::internal::CaptureStderr();
+    WatchedWalk walk(watched_rig());
+    EXPECT_EQ(walk.watcher().newest(), bus::RigCoherence{});
+    geometry::CalibratedCamera& camera = walk.filming().truth[5];
+    camera = test::bumped(
+        camera, Eigen::Vector3d(0.0, 0.0, std::numbers::pi / 180.0), Eigen::Vector3d::Zero());
+    ASSERT_TRUE(walk.comes_to_hold(true));
+    const bus::RigCoherence moved = walk.watcher().newest();
+    EXPECT_TRUE(is_sendable(moved));
+    EXPECT_EQ(moved.verdict, bus::RigVerdict::kMoved);
+    ASSERT_EQ(moved.cameras.size(), 8u);
+    EXPECT_EQ(moved.cameras[moved.fault.camera].name, "cam5");
+    EXPECT_NEAR(moved.fault.turned_deg, 1.0, 0.1);
+    EXPECT_EQ(moved.fault.moved_mm, -1.0);
+    EXPECT_EQ(moved.fault.cure,
+              "calibrate refine lab.toml --camera cam5 --recording DIR -o mended.toml");
+    EXPECT_LT(moved.cameras[5].share, moved.cameras[1].share);
+    EXPECT_GT(moved.cameras[5].rms_px, moved.cameras[1].rms_px);
+
+    walk.filming().truth = watched_rig();
+    ASSERT_TRUE(walk.comes_to_hold(false));
+    const bus::RigCoherence back = walk.watcher().newest();
+    EXPECT_EQ(back.verdict, bus::RigVerdict::kCoherent);
+    EXPECT_LT(back.rms_px, 1.0);
+    EXPECT_GT(back.num_instants, 20u);
+    EXPECT_EQ(back.fault, bus::RigFault{});
+    EXPECT_TRUE(is_sendable(back));
+    for (int i = 0; i < 24; ++i) walk.look();
+    walk.watcher().finish();
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(num_of("camera_moved camera=cam5 ", log), 1u) << log;
+    EXPECT_EQ(num_of("camera_coherent camera=cam5 ", log), 1u) << log;
+}
+
+TEST(CoherenceWatcher, SaysHowToMendALateCamera) {
+    WatchedWalk walk(watched_rig());
+    walk.filming().late_camera = 2;
+    walk.filming().late_instants = 1;
+    ASSERT_TRUE(walk.comes_to_hold(true));
+    const bus::RigCoherence late = walk.watcher().newest();
+    EXPECT_EQ(late.verdict, bus::RigVerdict::kLate);
+    EXPECT_EQ(late.fault.camera, 2u);
+    EXPECT_NEAR(late.fault.late_instants, 1.0, 0.15);
+    EXPECT_EQ(late.fault.cure, "check its trigger, or shift its pictures by -1");
+}
+
+TEST(CoherenceWatcher, NamesARigWhosePathNoStatusCanCarry) {
+    for (const std::string& path : {std::string(300, 'a'), std::string("b\xc3\xbcro.toml")}) {
+        WatchedWalk walk(watched_rig(), path);
+        geometry::CalibratedCamera& camera = walk.filming().truth[0];
+        camera = test::bumped(camera, Eigen::Vector3d(0.0, 0.0, 0.02), Eigen::Vector3d::Zero());
+        ASSERT_TRUE(walk.comes_to_hold(true));
+        const bus::RigCoherence moved = walk.watcher().newest();
+        EXPECT_TRUE(is_sendable(moved));
+        EXPECT_EQ(moved.fault.cure,
+                  "calibrate refine RIG.toml --camera cam0 --recording DIR -o mended.toml");
+    }
+}
+
+TEST(CoherenceWatcher, KnowsNothingOfFewerThanThreeCameras) {
+    auto rig = watched_rig();
+    rig.resize(2);
+    CoherenceWatcher watcher(rig, 30.0, "lab.toml");
+    EXPECT_FALSE(watcher.wants(1, CoherenceWatcher::Clock::time_point{std::chrono::hours(1)}));
+    watcher.finish();
+    EXPECT_EQ(watcher.newest().verdict, bus::RigVerdict::kUnknown);
+}
+
+}  // namespace
+}  // namespace atrium::site_node
