@@ -1,8 +1,12 @@
 #include "core/status/figures.hpp"
 
+#include "core/geometry/motion_text.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 
 namespace atrium::status {
 namespace {
@@ -24,6 +28,27 @@ Figures::Camera figures_of(const bus::CameraStatus& camera) {
              {"dropped_no_buffer", camera.num_dropped},
              {"backwards", camera.num_backwards},
              {"reconnects", camera.num_reconnects}}};
+}
+
+Figures::Alarm alarm_of(const std::string& camera,
+                        const bus::RigFault& fault,
+                        bus::RigVerdict verdict) {
+    if (verdict == bus::RigVerdict::kLate)
+        return {fmt::format("camera {} is {} by {:.1f} instants",
+                            camera,
+                            fault.late_instants > 0.0 ? "late" : "early",
+                            std::abs(fault.late_instants)),
+                "check its trigger",
+                fault.cure};
+    const auto known = [](double value) {
+        return value < 0.0 ? std::nullopt : std::optional(value);
+    };
+    return {fmt::format("camera {} was moved ({})",
+                        camera,
+                        geometry::motion_text(
+                            known(fault.turned_deg), known(fault.moved_mm), fault.is_either)),
+            "calibrate refine",
+            fault.cure};
 }
 
 // The part that all statuses have.
@@ -76,6 +101,11 @@ Figures figures_of(const bus::SiteStatus& status) {
     for (const bus::CameraStatus& camera : status.cameras)
         figures.cameras.push_back(figures_of(camera));
     figures.stream = status.stream;
+    figures.coherence = status.coherence;
+    const bus::RigCoherence& rig = status.coherence;
+    if (rig.has_fault() && rig.fault.camera < rig.cameras.size())
+        figures.alarms.push_back(
+            alarm_of(rig.cameras[rig.fault.camera].name, rig.fault, rig.verdict));
     return figures;
 }
 
@@ -133,6 +163,21 @@ std::string spaced(std::string name) {
 
 std::string rate_text(double rate, const std::string& unit) {
     return fmt::format("{:.1f} {}", rate, unit);
+}
+
+const char* name_of(bus::RigVerdict verdict) {
+    constexpr const char* kNames[] = {"unknown", "coherent", "moved", "late", "incoherent"};
+    return kNames[std::min<std::size_t>(static_cast<std::size_t>(verdict), std::size(kNames) - 1)];
+}
+
+std::vector<std::string> rig_items(const bus::RigCoherence& coherence) {
+    if (coherence.verdict == bus::RigVerdict::kUnknown || coherence.cameras.empty()) return {};
+    const bus::CameraCoherence& worst =
+        *std::ranges::max_element(coherence.cameras, {}, &bus::CameraCoherence::rms_px);
+    return {name_of(coherence.verdict),
+            fmt::format("{:.2f} px", coherence.rms_px),
+            fmt::format("worst {} {:.2f} px", worst.name, worst.rms_px),
+            fmt::format("{} instants", coherence.num_instants)};
 }
 
 bool may_be_same_process(const Figures& before, const Figures& now) {

@@ -40,6 +40,13 @@ struct Figures {
         std::string text;
     };
 
+    /// A state that does not mend itself.
+    struct Alarm {
+        std::string what;    // "camera north was moved (turned by 0.20 degrees)"
+        std::string advice;  // in a few words: "calibrate refine"
+        std::string cure;    // the whole command, or what to check
+    };
+
     Timestamp time;  // on the program's clock
     std::string rate_unit;
     double rate = 0.0;
@@ -49,6 +56,8 @@ struct Figures {
     std::vector<Topic> topics;
     std::vector<Camera> cameras;
     std::optional<bus::StreamState> stream;
+    std::optional<bus::RigCoherence> coherence;  // of a site
+    std::vector<Alarm> alarms;
     std::vector<Note> notes;  // values that are not counters
     std::uint64_t resident_bytes = 0;
     ProcessorUse processor;
@@ -63,6 +72,11 @@ Figures figures_of(const bus::ViewerStatus& status);
 std::string spaced(std::string name);
 /// "29.9 metaframes/s".
 std::string rate_text(double rate, const std::string& unit);
+
+/// "coherent", "moved".
+const char* name_of(bus::RigVerdict verdict);
+/// "coherent", "0.42 px", "worst north 0.61 px", "48 instants". Empty if nothing is known.
+std::vector<std::string> rig_items(const bus::RigCoherence& coherence);
 
 /// True if `now` can be of the same process as `before`: neither time nor any counter decreased.
 bool may_be_same_process(const Figures& before, const Figures& now);

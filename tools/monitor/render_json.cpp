@@ -99,6 +99,45 @@ ordered_json bottlenecks_json(const std::vector<status::Bottleneck>& bottlenecks
     return out;
 }
 
+ordered_json fault_json(const bus::RigCoherence& coherence) {
+    if (!coherence.has_fault() || coherence.fault.camera >= coherence.cameras.size())
+        return nullptr;
+    const bus::RigFault& fault = coherence.fault;
+    const auto certain = [](double value) {
+        return value < 0.0 ? ordered_json() : ordered_json(value);
+    };
+    return {{"camera", coherence.cameras[fault.camera].name},
+            {"turned_deg", certain(fault.turned_deg)},
+            {"moved_mm", certain(fault.moved_mm)},
+            {"is_either", fault.is_either},
+            {"late_instants", fault.late_instants},
+            {"effect_px", fault.effect_px},
+            {"cure", fault.cure}};
+}
+
+ordered_json coherence_json(const std::optional<bus::RigCoherence>& coherence) {
+    if (!coherence) return nullptr;
+    ordered_json cameras = ordered_json::array();
+    for (const bus::CameraCoherence& camera : coherence->cameras)
+        cameras.push_back({{"name", camera.name},
+                           {"rms_px", camera.rms_px},
+                           {"share", camera.share},
+                           {"tangencies", camera.num_tangencies}});
+    const bool is_judged = coherence->verdict != bus::RigVerdict::kUnknown;
+    return {{"verdict", status::name_of(coherence->verdict)},
+            {"rms_px", is_judged ? ordered_json(coherence->rms_px) : ordered_json()},
+            {"instants", coherence->num_instants},
+            {"cameras", std::move(cameras)},
+            {"fault", fault_json(*coherence)}};
+}
+
+ordered_json alarms_json(const std::vector<Figures::Alarm>& alarms) {
+    ordered_json out = ordered_json::array();
+    for (const Figures::Alarm& alarm : alarms)
+        out.push_back({{"text", alarm.what}, {"cure", alarm.cure}});
+    return out;
+}
+
 ordered_json program_json(const ProgramReport& program) {
     ordered_json out;
     out["kind"] = kKinds[std::min<std::size_t>(static_cast<std::size_t>(program.kind), 3)];
@@ -127,6 +166,8 @@ ordered_json program_json(const ProgramReport& program) {
     out["notes"] = ordered_json::object();
     for (const Figures::Note& note : program.notes) out["notes"][note.what] = note.text;
     out["cameras"] = cameras_json(program.cameras);
+    out["coherence"] = coherence_json(program.coherence);
+    out["alarms"] = alarms_json(program.alarms);
     out["resident_bytes"] =
         program.has_status ? ordered_json(program.resident_bytes) : ordered_json();
     out["processor"] = processor_json(program);

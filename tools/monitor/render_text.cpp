@@ -179,8 +179,12 @@ void add_program(const Report& report,
         lines.add_items("  ms       ", latency_texts(program.latencies));
         lines.add_items("  cpu      ", status::processor_items(program.processor));
         if (program.stream) add_stream_level(*program.stream, lines);
+        if (program.coherence && !status::rig_items(*program.coherence).empty())
+            lines.add_items("  rig      ", status::rig_items(*program.coherence));
         add_notes(program, lines);
         lines.add_items("  lost     ", loss_texts(program.losses), look_of_losses(program.losses));
+        for (const Figures::Alarm& alarm : program.alarms)
+            lines.add_words("  mend     ", alarm.what + ": " + alarm.cure, Look::kWarning);
         for (const status::Bottleneck& found : program.bottlenecks)
             lines.add_words("  slow     ", found.text, Look::kWarning);
     } else if (program.kind != ProgramKind::kOther) {

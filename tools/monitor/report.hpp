@@ -94,6 +94,8 @@ struct ProgramReport {
     std::vector<TopicRate> topics;
     std::vector<CameraReport> cameras;
     std::optional<bus::StreamState> stream;
+    std::optional<bus::RigCoherence> coherence;
+    std::vector<Figures::Alarm> alarms;
     std::vector<Figures::Note> notes;
     std::uint64_t resident_bytes = 0;
     ProcessorUse processor;

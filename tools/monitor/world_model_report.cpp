@@ -150,6 +150,8 @@ void WorldModel::put_figures(const Program& program, ProgramReport& out) {
                  now.cameras[i].losses, former != nullptr ? &former->losses : nullptr, elapsed_s)});
     }
     out.stream = now.stream;
+    out.coherence = now.coherence;
+    out.alarms = now.alarms;
     out.notes = now.notes;
     out.resident_bytes = now.resident_bytes;
     out.processor = now.processor;

@@ -84,6 +84,11 @@ std::vector<HudLine> StatusLines::warnings() const {
             {fmt::format("no world server{}: objects stand still or are gone{}", time, meant),
              true});
     }
+    // they last, and lines below them come and go
+    for (const auto& [title, program] : programs_) {
+        for (const status::Figures::Alarm& alarm : program.now.alarms)
+            lines.push_back({fmt::format("{}: {}: {}", title, alarm.what, alarm.advice), true});
+    }
     for (const auto& [title, program] : programs_) {
         std::string lost;
         for (std::size_t i = 0; program.before && i < program.now.losses.size(); ++i) {
@@ -122,6 +127,12 @@ std::vector<HudLine> StatusLines::details() const {
             }
         }
         if (!stages.empty()) lines.push_back({"  ms  " + stages, false});
+        const auto& rig = program.now.coherence;
+        if (const auto of_rig = rig ? status::rig_items(*rig) : std::vector<std::string>();
+            !of_rig.empty())
+            lines.push_back({fmt::format("  rig  {}", fmt::join(of_rig, "  ")), false});
+        for (const status::Figures::Alarm& alarm : program.now.alarms)
+            lines.push_back({"  mend  " + alarm.cure, false});
     }
     return lines;
 }

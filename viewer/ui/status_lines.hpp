@@ -44,10 +44,10 @@ public:
     /// Worlds that may be meant instead of this one, for the warning that it has no server.
     void set_other_worlds(bus::OtherWorlds worlds) { other_worlds_ = std::move(worlds); }
 
-    /// One line for each program that lost something between its last two reports, one per
-    /// bottleneck, and one while no world reports.
+    /// One line while no world reports, one per alarm, one for each program that lost something
+    /// between its last two reports, and one per bottleneck.
     std::vector<HudLine> warnings() const;
-    /// Rate and stage times of each program.
+    /// Rate and stage times of each program; of a site how true its rig is, and what mends it.
     std::vector<HudLine> details() const;
     /// Whether a world server is heard.
     bool has_world() const { return last_world_ && without_world_ == Clock::duration::zero(); }

@@ -117,6 +117,62 @@ TEST(RenderText, ShowsRatesAndLossesOfPrograms) {
     EXPECT_THAT(shown, Not(HasSubstr("failed"))) << "zero losses must be hidden";
 }
 
+ProgramReport site_of_a_moved_camera() {
+    bus::SiteStatus status;
+    status.coherence = {bus::RigVerdict::kMoved,
+                        0.39,
+                        48,
+                        {{"north", 0.4, 0.98, 351}, {"south", 2.19, 0.66, 340}},
+                        {.camera = 1, .turned_deg = 1.01, .effect_px = 2.0, .cure = "cure it;"}};
+    const Figures figures = figures_of(status);
+    ProgramReport out = site("lab", 0);
+    out.coherence = figures.coherence;
+    out.alarms = figures.alarms;
+    return out;
+}
+
+TEST(RenderText, ShowsACameraThatWasMovedAndItsCure) {
+    Report report = whole_report();
+    EXPECT_THAT(text(report), AllOf(Not(HasSubstr("  rig ")), Not(HasSubstr("  mend "))));
+    report.programs.push_back(site_of_a_moved_camera());
+    EXPECT_THAT(text(report),
+                AllOf(HasSubstr("  rig      moved  0.39 px  worst south 2.19 px  48 instants\n"),
+                      HasSubstr("  mend     camera south was moved (turned by 1.01 degrees): cure "
+                                "it;\n")));
+    TextOptions options;
+    options.colour = true;
+    EXPECT_THAT(text(report, options), HasSubstr("\033[33m  mend     camera south"));
+}
+
+TEST(RenderJson, HasTheCoherenceOfTheRig) {
+    Report report = whole_report();
+    report.programs.push_back(site_of_a_moved_camera());
+    auto json = nlohmann::json::parse(render_json(report));
+    EXPECT_TRUE(json["programs"][1]["coherence"].is_null());
+    EXPECT_TRUE(json["programs"][1]["alarms"].empty());
+    const auto& lab = json["programs"][2];
+    EXPECT_EQ(lab["alarms"][0]["text"], "camera south was moved (turned by 1.01 degrees)");
+    EXPECT_EQ(lab["alarms"][0]["cure"], "cure it;");
+    const auto& rig = lab["coherence"];
+    EXPECT_EQ(rig["verdict"], "moved");
+    EXPECT_EQ(rig["rms_px"], 0.39);
+    EXPECT_EQ(rig["instants"], 48);
+    EXPECT_EQ(rig["cameras"][1],
+              nlohmann::json(
+                  {{"name", "south"}, {"rms_px", 2.19}, {"share", 0.66}, {"tangencies", 340}}));
+    EXPECT_EQ(rig["fault"]["camera"], "south");
+    EXPECT_EQ(rig["fault"]["turned_deg"], 1.01);
+    EXPECT_TRUE(rig["fault"]["moved_mm"].is_null());
+    EXPECT_EQ(rig["fault"]["is_either"], false);
+    EXPECT_EQ(rig["fault"]["effect_px"], 2.0);
+    EXPECT_EQ(rig["fault"]["cure"], "cure it;");
+    report.programs[2].coherence = bus::RigCoherence{};
+    json = nlohmann::json::parse(render_json(report));
+    EXPECT_EQ(json["programs"][2]["coherence"]["verdict"], "unknown");
+    EXPECT_TRUE(json["programs"][2]["coherence"]["rms_px"].is_null());
+    EXPECT_TRUE(json["programs"][2]["coherence"]["fault"].is_null());
+}
+
 TEST(RenderText, NamesSitesOfTheCommandLineThatAreMissing) {
     const TextOptions options{.sites = {"alice", "nobody"}};
     const std::string shown = text(whole_report(), options);

@@ -156,6 +156,36 @@ TEST(StatusLines, DistinguishASlowMachineFromASlowNetwork) {
             "this viewer: machine too slow: one thread waited 50 % of the time for a core"));
 }
 
+TEST(StatusLines, WarnOfACameraThatWasMovedAsLongAsItsSiteSaysSo) {
+    StatusLines lines;
+    bus::SiteStatus lab = site_status(100);
+    lab.coherence = {bus::RigVerdict::kMoved,
+                     0.39,
+                     48,
+                     {{"south", 0.4, 0.98, 351}, {"north", 2.19, 0.66, 340}},
+                     {.camera = 1, .turned_deg = 0.2, .cure = "calibrate refine lab.toml"}};
+    lines.add("alice", site_status(100), kFirstLine);
+    lines.add("lab", lab, kFirstLine);
+    const std::string alarm =
+        "site lab: camera north was moved (turned by 0.20 degrees): calibrate refine";
+    EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre(alarm)) << "with the first report";
+    EXPECT_TRUE(lines.warnings()[0].is_warning);
+    lines.add("alice", site_status(103), kFirstLine + seconds(1));
+    lines.add("lab", lab, kFirstLine + seconds(1));
+    EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre(alarm, "site alice: dropped late 3"))
+        << "above what comes and goes";
+    const auto details = texts(lines.details());
+    EXPECT_THAT(details,
+                testing::Contains("  rig  moved  0.39 px  worst north 2.19 px  48 instants"));
+    EXPECT_EQ(details.back(), "  mend  calibrate refine lab.toml");
+    lab.coherence.verdict = bus::RigVerdict::kCoherent;
+    lines.add("lab", lab, kFirstLine + seconds(2));
+    lines.add("alice", site_status(103), kFirstLine + seconds(2));
+    EXPECT_TRUE(lines.warnings().empty());
+    EXPECT_EQ(texts(lines.details()).back(),
+              "  rig  coherent  0.39 px  worst north 2.19 px  48 instants");
+}
+
 TEST(StatusLines, ShowTheWorldServerAndItsRefusals) {
     StatusLines lines;
     EXPECT_FALSE(lines.has_world());
