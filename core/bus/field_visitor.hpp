@@ -6,10 +6,14 @@
 #include <concepts>
 #include <cstddef>
 #include <string_view>
+#include <type_traits>
 
 /// Defines the limits of fields, and the base of the visitors of the lists in fields.hpp. Private
 /// to core/bus and its tests.
 namespace atrium::bus {
+
+template <typename T, typename Message>
+concept Of = std::same_as<std::remove_const_t<T>, Message>;
 
 // Limits of fields. Times, poses and latencies have their own and get none here. Every other
 // floating-point field needs one: NaN and infinities are outside of all of them.
