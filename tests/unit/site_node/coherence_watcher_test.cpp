@@ -39,6 +39,12 @@ std::size_t num_of(const std::string& part, const std::string& text) {
     return num;
 }
 
+// Made once: people take a while.
+const test::WalkFilm& film() {
+    static const test::WalkFilm walk(3);
+    return walk;
+}
+
 // A site whose watcher sees a walk twice a second, on a clock of the test.
 class WatchedWalk {
 public:
@@ -49,14 +55,17 @@ public:
     // Shows it two metaframes in a row, and waits until it has looked at them.
     void look() {
         now_ += std::chrono::milliseconds(500);
-        const coherence::Sight sight = film_.sight(num_looks_++ % film_.num_looks(), filming_);
+        const coherence::Sight sight = film().sight(num_looks_++ % film().num_looks(), filming_);
         ASSERT_TRUE(watcher_.wants(++frame_id_, now_));
         watcher_.put(frame_id_, views(sight.before));
         ASSERT_TRUE(watcher_.wants(++frame_id_, now_));
         watcher_.put(frame_id_, views(sight.now));
         const auto later = now_ + std::chrono::milliseconds(499);
         ASSERT_FALSE(watcher_.wants(frame_id_ + 1, later)) << "not before half a second is over";
-        ASSERT_TRUE(test_support::comes_true([&] { return !watcher_.is_looking(); }));
+        ASSERT_TRUE(test_support::comes_true([&] {
+            EXPECT_LE(watcher_.newest().cameras.size(), rig_.size());  // a status meanwhile
+            return !watcher_.is_looking();
+        }));
     }
     // Looks on for a minute at most, until a fault holds or does not.
     bool comes_to_hold(bool holds) {
@@ -78,7 +87,6 @@ private:
     }
 
     std::vector<geometry::CalibratedCamera> rig_;
-    test::WalkFilm film_{3};
     std::uint64_t frame_id_ = 0;
     std::size_t num_looks_ = 0;
     CoherenceWatcher::Clock::time_point now_{std::chrono::hours(1)};
