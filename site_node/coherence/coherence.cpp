@@ -11,8 +11,7 @@ namespace atrium::coherence {
 namespace {
 
 constexpr double kStill_px = 2.0;
-constexpr std::size_t kLeastTangencies = 40;  // of a camera
-constexpr double kLeastScale_px = 1.0;        // of errors that count little
+constexpr double kLeastScale_px = 1.0;  // of errors that count little
 constexpr double kMostScale_px = 4.0;
 constexpr double kScales = 4.0;  // standard deviations
 // What certainty needs.
@@ -90,7 +89,7 @@ public:
             if (!errors.empty())
                 camera.share = static_cast<double>(fitting) / static_cast<double>(errors.size());
             camera.rms_px = robust_deviation(errors);
-            num_seeing += errors.size() >= kLeastTangencies ? 1 : 0;
+            num_seeing += errors.size() >= Coherence::kLeastTangencies ? 1 : 0;
             report.cameras.push_back(camera);
         }
         if (num_seeing < 3 || num_sights_ < Coherence::kLeastSights) return report;
@@ -107,7 +106,7 @@ private:
         CameraFit best_fit;
         double second_gain = 0.0;
         for (std::uint32_t c = 0; c < cameras_.size(); ++c) {
-            if (report.cameras[c].num_tangencies < kLeastTangencies) continue;
+            if (report.cameras[c].num_tangencies < Coherence::kLeastTangencies) continue;
             CameraFit fit = fitter.fit(c, Freedom::kAll);
             if (fit.gain > best_fit.gain) {
                 second_gain = best_fit.gain;

@@ -67,6 +67,7 @@ public:
 
     static constexpr std::size_t kWindow = 48;
     static constexpr std::size_t kLeastSights = 18;
+    static constexpr std::size_t kLeastTangencies = 40;  // of a camera
     static constexpr double kLeastEffect_px = 0.7;
 
 private:

@@ -7,11 +7,13 @@ namespace {
 
 constexpr double kAsWell = 1.5;  // of the errors of all
 
-// A rig is also called coherent if a second fault hides the first one.
+// A rig is also called coherent if a second fault hides the first one, or if nothing is known of
+// the camera any more.
 bool is_well(const Report& report, std::size_t camera) {
+    const CameraCoherence& its = report.cameras[camera];
     return report.verdict == Verdict::kCoherent &&
-           report.cameras[camera].rms_px <=
-               std::max(Coherence::kLeastEffect_px, kAsWell * report.rms_px);
+           its.num_tangencies >= Coherence::kLeastTangencies &&
+           its.rms_px <= std::max(Coherence::kLeastEffect_px, kAsWell * report.rms_px);
 }
 
 }  // namespace

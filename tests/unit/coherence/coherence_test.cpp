@@ -292,6 +292,23 @@ TEST_F(CoherenceWatchOfAWalk, HoldsAFaultIfAnotherCameraMovesToo) {
     EXPECT_GE(num_coherent, 2u);
 }
 
+TEST_F(CoherenceWatchOfAWalk, HoldsAFaultIfItsCameraSeesNobodyAnyMore) {
+    bump(6);
+    ASSERT_NE(looks_until_told(), kNever);
+    filming_.spoil = [](std::size_t camera,
+                        std::size_t,
+                        test::Random&,
+                        std::vector<std::vector<Eigen::Vector2d>>& contours) {
+        if (camera == 6) contours.clear();
+    };
+    for (std::size_t i = 0; i < 120; ++i) {
+        const auto judgement = look();
+        EXPECT_FALSE(judgement && judgement->recovered);
+    }
+    EXPECT_EQ(watch_.judge().verdict, Verdict::kCoherent);
+    EXPECT_EQ(watch_.judge().cameras[6].num_tangencies, 0u);
+}
+
 TEST(FaultText, SaysWhatIsCertain) {
     NamedFault fault;
     EXPECT_EQ(motion_text(fault), "turned or moved a little");
