@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <Eigen/SVD>
 
 #include <cmath>
 
@@ -22,15 +21,20 @@ Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Ve
 }
 
 Eigen::Matrix3d rotation_of(const Eigen::Matrix3d& spread) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(spread, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
-    if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) sign(2, 2) = -1.0;
-    return svd.matrixU() * sign * svd.matrixV().transpose();
+    Eigen::Matrix4d sum;
+    sum.topLeftCorner<3, 3>() =
+        spread + spread.transpose() - spread.trace() * Eigen::Matrix3d::Identity();
+    sum.topRightCorner<3, 1>() << spread(2, 1) - spread(1, 2), spread(0, 2) - spread(2, 0),
+        spread(1, 0) - spread(0, 1);
+    sum.bottomLeftCorner<1, 3>() = sum.topRightCorner<3, 1>().transpose();
+    sum(3, 3) = spread.trace();
+    const Eigen::Vector4d xyzw = principal_axes(Eigen::MatrixXd(sum)).axes.col(3);
+    return Eigen::Quaterniond(xyzw).normalized().toRotationMatrix();
 }
 
 PrincipalAxes principal_axes(const Eigen::Matrix3d& symmetric) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(symmetric);
-    return {solver.eigenvalues(), solver.eigenvectors()};
+    const DynamicAxes found = principal_axes(Eigen::MatrixXd(symmetric));
+    return {found.values, found.axes};
 }
 
 Eigen::Vector2d eigenvalues_of(const Eigen::Matrix2d& symmetric) {

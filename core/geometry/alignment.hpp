@@ -12,7 +12,7 @@ namespace atrium::geometry {
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
 /// The rotation R that makes the sum of |to - R from|^2 smallest, for `spread`, the sum of `to *
-/// from.transpose()` (Kabsch 1976; Umeyama 1991). Of a matrix that is nearly a rotation, the
+/// from.transpose()` (Davenport 1968; Horn 1987). Of a matrix that is nearly a rotation, the
 /// nearest one; of a sum of rotations, their mean.
 Eigen::Matrix3d rotation_of(const Eigen::Matrix3d& spread);
 
