@@ -20,7 +20,9 @@ struct Motion {
 };
 
 /// Moves the viewpoint: orbits around the target, looks around, pans, zooms, flies or walks. The
-/// eye stays upright, below the zenith and above the nadir.
+/// eye stays upright, below the zenith and above the nadir. Orbit, zoom and pan keep it above the
+/// floor (z = 0), wherever the target is: an orbit slides along the floor, and zooming towards a
+/// target below the floor stops there. Only flying crosses the floor.
 renderer::ViewCamera apply(const Motion& motion, const renderer::ViewCamera& camera);
 
 }  // namespace atrium::viewer

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace atrium::viewer {
@@ -84,6 +85,76 @@ TEST(Controls, OrbitAndZoomKeepTheEyeAboveTheFloor) {
     renderer::ViewCamera below = kStartView;
     below.position_m.z() = -1.0;
     EXPECT_LT(apply({.turn_px = {10.0, -5.0}}, below).position_m.z(), -1.0);
+}
+
+TEST(Controls, OneDragAfterTheOtherStopsAtTheFloor) {
+    for (const double target_z_m : {-3.0, -0.2, 0.0, 0.03, 0.4, 0.5, 0.6, 1.0}) {
+        renderer::ViewCamera camera{.position_m = {0.5, -6.0, 2.6},
+                                    .target_m = {0.0, 0.5, target_z_m}};
+        const double before_m = distance(camera);
+        for (int i = 0; i < 158; ++i) {
+            camera = apply({.turn_px = {0.0, -1.0}}, camera);
+            ASSERT_GE(camera.position_m.z(), 0.05) << "target at " << target_z_m << ", pixel " << i;
+        }
+        EXPECT_NEAR(camera.position_m.z(), 0.05, 1e-9) << "target at " << target_z_m;
+        EXPECT_NEAR(distance(camera), before_m, 1e-9) << "an orbit keeps its distance";
+    }
+}
+
+TEST(Controls, PanStopsTheEyeAtTheFloorAndOrbitKeepsItThere) {
+    renderer::ViewCamera camera;
+    for (int i = 0; i < 2000; ++i) {
+        camera = apply({.pan_px = {0.0, -5.0}}, camera);
+        ASSERT_GE(camera.position_m.z(), 0.05) << i;
+    }
+    EXPECT_LT(camera.target_m.z(), -0.3);
+    for (int i = 0; i < 300; ++i) {
+        camera = apply({.turn_px = {1.0, -3.0}}, camera);
+        ASSERT_GE(camera.position_m.z(), 0.05) << i;
+    }
+}
+
+TEST(Controls, ZoomTowardsATargetBelowTheFloorStopsOnTheWay) {
+    const renderer::ViewCamera start{.position_m = {0.5, -6.0, 2.6}, .target_m = {0.0, 0.5, -1.0}};
+    const auto near = apply({.zoom_steps = 40.0}, start);
+    EXPECT_NEAR(near.position_m.z(), 0.05, 1e-12);
+    const Eigen::Vector3d way = start.position_m - start.target_m;
+    EXPECT_LT((near.position_m - near.target_m).cross(way).norm(), 1e-9) << "along the view";
+    EXPECT_NEAR(
+        apply({.zoom_steps = -5.0}, near).position_m.z(), 1.05 / std::pow(0.88, 5.0) - 1.0, 1e-9)
+        << "the way back is open";
+}
+
+TEST(Controls, NoDragsTakeTheEyeThroughTheFloor) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<> any(-1.0, 1.0);
+    for (int trial = 0; trial < 400; ++trial) {
+        renderer::ViewCamera camera{
+            .position_m = {4.0 * any(random), 4.0 * any(random), 2.0 + 1.9 * any(random)},
+            .target_m = {4.0 * any(random), 4.0 * any(random), 3.0 * any(random)}};
+        // by turns, as hands do, and all at once
+        for (int i = 0; i < 100; ++i) {
+            Motion motion;
+            const int kind = trial % 4 == 0 ? 3 : i / 20 % 4;
+            if (kind == 0 || kind == 3) motion.turn_px = {90.0 * any(random), 90.0 * any(random)};
+            if (kind == 1 || kind == 3) motion.zoom_steps = 4.0 * any(random);
+            if (kind == 2 || kind == 3) motion.pan_px = {90.0 * any(random), 90.0 * any(random)};
+            motion.look_around = i % 7 == 0;
+            camera = apply(motion, camera);
+            ASSERT_GE(camera.position_m.z(), 0.05) << trial << ", motion " << i;
+            ASSERT_TRUE(camera.position_m.allFinite() && camera.target_m.allFinite());
+            const Eigen::Vector3d view = (camera.target_m - camera.position_m).normalized();
+            ASSERT_LT(std::abs(view.z()), 0.9999);
+        }
+    }
+}
+
+TEST(Controls, AnEyeBelowTheFloorIsFree) {
+    renderer::ViewCamera camera{.position_m = {0.5, -6.0, -1.0}, .target_m = {0.0, 0.5, -0.5}};
+    EXPECT_LT(apply({.turn_px = {0.0, -50.0}}, camera).position_m.z(), -2.0);
+    EXPECT_LT(apply({.pan_px = {0.0, -50.0}}, camera).position_m.z(), -1.1);
+    const auto above = apply({.turn_px = {0.0, 100.0}}, camera);
+    EXPECT_GT(above.position_m.z(), 1.0) << "it may come up";
 }
 
 TEST(Controls, NeverTipTheEyeOver) {
