@@ -5,6 +5,7 @@
 #include "site_node/capture/mask_values.hpp"
 #include "site_node/capture/truncated_picture.hpp"
 #include "site_node/capture/video_length.hpp"
+#include "site_node/capture/video_rotation.hpp"
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -197,6 +198,7 @@ struct PictureFile::Impl {
             note_end();
             return tl::unexpected(no_frame(index));
         }
+        correct_rotation(video, decoded);
         ++next_in_video;
         return {};
     }

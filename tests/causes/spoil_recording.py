@@ -4,8 +4,8 @@
     spoil_recording.py RIG.toml FACTOR|invert|opengl|yup    translations in another unit, or extrinsics of another convention
     spoil_recording.py RIG.toml table|pit                   origin 0.74 m above the floor, or 0.4 m below it
     spoil_recording.py CAMERA black|small|background        silhouettes without anybody, or pictures of half the size
-    spoil_recording.py CAMERA cut|zeros|lost                frames as an uncompressed video, cut off, with zeros inside, or without
-                                                            bytes for pictures 4 to 6
+    spoil_recording.py CAMERA video|cut|zeros|lost          frames as an uncompressed video, whole, cut off, with zeros inside, or
+                                                            without bytes for pictures 4 to 6
 """
 
 import os
@@ -84,7 +84,7 @@ def spoil_video(camera, how):
     num_pictures = len(os.listdir(folder))
     shutil.rmtree(folder)
     write_video(folder + ".avi", num_pictures, range(4, 7) if how == "lost" else ())
-    if how == "lost":
+    if how in ("video", "lost"):
         return
     middle = os.path.getsize(folder + ".avi") // 2
     if how == "cut":
@@ -96,7 +96,7 @@ def spoil_video(camera, how):
 
 
 if __name__ == "__main__":
-    if sys.argv[2] in ("cut", "zeros", "lost"):
+    if sys.argv[2] in ("video", "cut", "zeros", "lost"):
         spoil_video(sys.argv[1], sys.argv[2])
         sys.exit()
     (spoil_rig if sys.argv[1].endswith(".toml") else spoil_pictures)(sys.argv[1], sys.argv[2])

@@ -3,6 +3,7 @@
 #include "core/base/write_check.hpp"
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
+#include "tools/calibrate/compare_sizes.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
 #include "tools/calibrate/recording/make_recording.hpp"
 #include "tools/calibrate/recording/room_checks.hpp"
@@ -12,11 +13,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <functional>
 #include <map>
-#include <string_view>
 
 namespace atrium::calibrate {
 namespace {
@@ -129,82 +128,6 @@ void check_lenses(const config::Rig& rig, std::vector<std::string>& checks) {
                           : fmt::format("; and {} more like it", doubts.size() - 1)));
 }
 
-// The cure for pictures whose width and height are swapped. No file says in which direction QTM
-// turns, so both are given: transpose=2 undoes a turn by 90 degrees clockwise.
-std::string turn_back(const ForeignCamera& camera) {
-    const int degrees = camera.view_rotation_deg;
-    if (degrees != 90 && degrees != 270)
-        return "they were turned, perhaps because their EXIF data or the video's rotation says so; "
-               "export them as the camera took them";
-    return fmt::format(
-        "QTM turned them, as viewrotation {} of the calibration says; export them with a rotation "
-        "of 0, or turn them back: ffmpeg -i FILE -vf transpose={} OUT; if the silhouettes do not "
-        "fit then, with transpose={}",
-        degrees,
-        degrees == 90 ? 2 : 1,
-        degrees == 90 ? 1 : 2);
-}
-
-// The size of pictures that exist decides; a calibration of another size is wrong or to be scaled.
-Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Said& said) {
-    for (ForeignCamera& camera : rig.cameras) {
-        const Look& look = material.looks.at(camera.name);
-        const bool is_unknown = camera.lens.width == 0 || camera.lens.height == 0;
-        const bool is_same = camera.lens.width == look.width && camera.lens.height == look.height;
-        if (is_same) continue;
-        if (is_unknown || said.size) {
-            if (said.size && *said.size != std::array{look.width, look.height}) {
-                return make_error(ErrorKind::kConfiguration,
-                                  fmt::format("--size says {}x{}, but the pictures of camera '{}' "
-                                              "have {}x{} px",
-                                              (*said.size)[0],
-                                              (*said.size)[1],
-                                              camera.known_name(),
-                                              look.width,
-                                              look.height));
-            }
-            if (auto set = set_picture_size(camera, {look.width, look.height}); !set) return set;
-            continue;
-        }
-        if (camera.lens.width == look.height && camera.lens.height == look.width) {
-            return make_error(
-                ErrorKind::kConfiguration,
-                fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px: "
-                            "{}",
-                            camera.known_name(),
-                            camera.lens.width,
-                            camera.lens.height,
-                            look.width,
-                            look.height,
-                            turn_back(camera)));
-        }
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px; if "
-                        "they show the whole picture, scaled, say --size {}x{}",
-                        camera.known_name(),
-                        camera.lens.width,
-                        camera.lens.height,
-                        look.width,
-                        look.height,
-                        look.width,
-                        look.height));
-    }
-    return {};
-}
-
-// As a shell takes it.
-std::string quoted(const std::string& word) {
-    const bool is_plain = std::ranges::all_of(word, [](unsigned char c) {
-        return std::isalnum(c) != 0 ||
-               std::string_view("/._-+=:@%,").find(static_cast<char>(c)) != std::string_view::npos;
-    });
-    if (is_plain && !word.empty()) return word;
-    std::string text = "'";
-    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return text + "'";
-}
-
 std::vector<std::string> next_commands(const ImportOptions& options) {
     const auto program = [&](const char* name) { return quoted(options.programs + name); };
     const bool is_recording = !options.recording.empty();
@@ -259,7 +182,8 @@ Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
          rig.format == "COLMAP" ? "; if they are cameras of the room, COLMAP did not register "
                                   "them: solve again with more pictures of them"
                                 : "",
-         originals_of(rig)});
+         originals_of(rig),
+         [&](const Material& found) { return compare_sizes(rig, found, options.said); }});
     if (!material) return material;
     report_walked(rig, material->left_out);
     const auto has_pictures = [&](const std::string& name) {
@@ -268,8 +192,6 @@ Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
     report_markers(rig, material->missing, has_pictures);
     keep_cameras(rig, has_pictures);
     if (auto counted = check_number(rig, options); !counted) return tl::unexpected(counted.error());
-    if (auto compared = compare_sizes(rig, *material, options.said); !compared)
-        return tl::unexpected(compared.error());
     return material;
 }
 

@@ -5,9 +5,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pugixml.hpp>
 
 #include <algorithm>
 #include <regex>
+#include <sstream>
 
 namespace atrium::calibrate {
 namespace {
@@ -129,6 +131,44 @@ TEST_P(Formats, OpenCvStereoPair) {
 
 TEST_P(Formats, Qualisys) {
     expect_truth({folder_.write("lab.qca.txt", test::qualisys_xml(cameras_))});
+}
+
+// As other programs write QTM's elements: no window of the sensor, sensorMax the size or the last
+// pixel.
+TEST_P(Formats, QualisysInPixels) {
+    for (const int beyond_last : {1, 0}) {
+        pugi::xml_document document;
+        ASSERT_TRUE(document.load_string(test::qualisys_xml(cameras_).c_str()));
+        std::size_t i = 0;
+        for (const pugi::xml_node camera :
+             document.child("calibration").child("cameras").children("camera")) {
+            if (!camera.child("intrinsic")) continue;
+            const auto& k = cameras_.at(i++).intrinsics;
+            pugi::xml_node found = camera;
+            found.remove_child("fov_video");
+            const pugi::xml_node intrinsic = camera.child("intrinsic");
+            intrinsic.attribute("sensorMaxU").set_value(k.width - 1 + beyond_last);
+            intrinsic.attribute("sensorMaxV").set_value(k.height - 1 + beyond_last);
+            intrinsic.attribute("focalLengthU").set_value(k.fx);
+            intrinsic.attribute("focalLengthV").set_value(k.fy);
+            intrinsic.attribute("centerPointU").set_value(k.cx);
+            intrinsic.attribute("centerPointV").set_value(k.cy);
+        }
+        std::ostringstream text;
+        document.save(text);
+        const auto file = folder_.write("pixels.qca.txt", text.str());
+        expect_truth({file});
+        const auto result = read_and_conclude({file});
+        ASSERT_TRUE(result);
+        for (i = 0; i < cameras_.size(); ++i) {
+            EXPECT_EQ(result->rig.cameras[i].intrinsics.width, cameras_[i].intrinsics.width);
+            EXPECT_EQ(result->rig.cameras[i].intrinsics.height, cameras_[i].intrinsics.height);
+        }
+        const auto lines = std::ranges::count_if(result->told, [](const std::string& line) {
+            return line.starts_with("intrinsics: in pixels, not in 1/64 px");
+        });
+        EXPECT_EQ(lines, 1);
+    }
 }
 
 TEST_P(Formats, Vicon) {

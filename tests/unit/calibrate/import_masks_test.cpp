@@ -214,7 +214,10 @@ TEST_F(ImportedMasks, OfAnotherSizeAreRefusedBeforeAnythingIsWritten) {
     EXPECT_THAT(report.error().message,
                 AllOf(HasSubstr("masks of 'cam1', 'cam3' have another size"),
                       HasSubstr("'cam1' have 32x24 px, its pictures 64x48"),
-                      HasSubstr("segmented/cam1/*.png")));
+                      HasSubstr("mkdir -p scaled/cam1 && mogrify -path scaled/cam1 -filter point "
+                                "-resize '64x48!' "),
+                      HasSubstr("segmented/cam1/*.png"),
+                      HasSubstr("--masks scaled")));
     EXPECT_FALSE(fs::exists(options_.output / "cam1"));
 }
 

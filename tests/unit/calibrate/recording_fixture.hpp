@@ -20,10 +20,13 @@ inline void write_picture(const std::filesystem::path& file, int width, int heig
     ASSERT_TRUE(cv::imwrite(file.string(), cv::Mat(height, width, CV_8UC3, cv::Scalar::all(grey))));
 }
 
-inline void write_video(const std::filesystem::path& file, int width, int height, int num_frames) {
+inline void write_video(const std::filesystem::path& file,
+                        int width,
+                        int height,
+                        int num_frames,
+                        int codec = cv::VideoWriter::fourcc('M', 'J', 'P', 'G')) {
     std::filesystem::create_directories(file.parent_path());
-    cv::VideoWriter video(
-        file.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25.0, {width, height});
+    cv::VideoWriter video(file.string(), codec, 25.0, {width, height});
     ASSERT_TRUE(video.isOpened());
     for (int i = 0; i < num_frames; ++i)
         video.write(cv::Mat(height, width, CV_8UC3, cv::Scalar::all(20 + 20 * i)));

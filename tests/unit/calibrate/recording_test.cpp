@@ -166,35 +166,6 @@ TEST_F(ImportedRecording, RefusesPicturesOfAnotherSizeUntilTold) {
     EXPECT_NEAR(rig->cameras[0].intrinsics.fx, 2.0 * cameras_[0].intrinsics.fx, 1e-9);
 }
 
-TEST_F(ImportedRecording, SaysHowToTurnPicturesBack) {
-    for (int camera = 1; camera <= 3; ++camera)
-        write_video(take(fmt::format("cam{}.avi", camera)), 48, 64, 3);
-    EXPECT_THAT(import(options_).error().message,
-                AllOf(HasSubstr("64x48"), HasSubstr("48x64"), HasSubstr("EXIF")));
-    for (const auto& [degrees, transpose] : {std::array{90, 2}, {270, 1}}) {
-        std::string text = test::qualisys_xml(cameras_);
-        const std::string unturned = "viewrotation=\"0\"";
-        for (std::size_t at = text.find(unturned); at != std::string::npos;
-             at = text.find(unturned))
-            text.replace(at, unturned.size(), fmt::format("viewrotation=\"{}\"", degrees));
-        options_.files = {folder_.write("lab.qca.txt", text)};
-        EXPECT_THAT(import(options_).error().message,
-                    AllOf(HasSubstr(fmt::format("viewrotation {}", degrees)),
-                          HasSubstr(fmt::format("-vf transpose={} OUT", transpose))));
-    }
-}
-
-TEST_F(ImportedRecording, AsksForALookAtVideosThatMayBeUpsideDown) {
-    std::string text = test::qualisys_xml(cameras_);
-    const std::string unturned = "viewrotation=\"0\"";
-    text.replace(text.find(unturned), unturned.size(), "viewrotation=\"180\"");
-    const auto foreign = read_foreign({folder_.write("lab.qca.txt", text)}, "auto");
-    ASSERT_TRUE(foreign) << foreign.error().message;
-    EXPECT_THAT(
-        foreign->checks,
-        testing::ElementsAre(AllOf(HasSubstr("camera 'cam1'"), HasSubstr("-vf hflip,vflip OUT"))));
-}
-
 TEST_F(ImportedRecording, RefusesFoldersWithoutPicturesOfTheCameras) {
     fs::create_directories(options_.recording);
     EXPECT_THAT(import(options_).error().message, HasSubstr("neither videos nor pictures"));

@@ -2,10 +2,12 @@
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/capture/truncated_picture.hpp"
 #include "site_node/capture/video_length.hpp"
+#include "tests/support/pictures/rotation_tag.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
 
 #include <algorithm>
 #include <fstream>
@@ -133,6 +135,39 @@ TEST_F(MasksOnDisk, IgnoresTheOrientationOfAJpeg) {
     ASSERT_TRUE(file->read(0, read));
     EXPECT_EQ(read.width(), 64);
     EXPECT_EQ(file->size()->width, 64);
+}
+
+// A phone's video is shown by all programs as its tag says, so a calibration is of these pictures.
+TEST_F(MasksOnDisk, HonoursTheRotationTagOfAVideo) {
+    cv::Mat picture(kMaskHeight, kMaskWidth, CV_8UC3, cv::Scalar::all(20));
+    picture(cv::Rect(0, 0, 20, 10)) = cv::Scalar::all(220);  // at the upper left
+    for (const int turn_deg : {0, 90, 180, 270}) {
+        const fs::path video = folder_ / cv::format("turned%d.mp4", turn_deg);
+        {
+            cv::VideoWriter writer(
+                video.string(), cv::VideoWriter::fourcc('m', 'p', '4', 'v'), 25.0, picture.size());
+            for (int k = 0; k < 3; ++k) writer.write(picture);
+        }
+        if (turn_deg != 0) test::set_rotation_tag(video, turn_deg);
+        auto file = PictureFile::find(folder_, video.stem().string());
+        ASSERT_TRUE(file);
+        cv::Mat expected = picture;
+        if (turn_deg == 90) cv::rotate(picture, expected, cv::ROTATE_90_CLOCKWISE);
+        if (turn_deg == 180) cv::rotate(picture, expected, cv::ROTATE_180);
+        if (turn_deg == 270) cv::rotate(picture, expected, cv::ROTATE_90_COUNTERCLOCKWISE);
+        image::YuvImage read;
+        for (const std::size_t k : {0U, 2U, 1U}) {
+            ASSERT_TRUE(file->read(k, read));
+            ASSERT_EQ(file->size()->width, expected.cols) << turn_deg;
+            ASSERT_EQ(read.width(), expected.cols) << turn_deg;
+            for (const auto& [x, y] : {std::pair{5, 5}, {-6, 5}, {5, -6}, {-6, -6}}) {
+                const int column = x < 0 ? expected.cols + x : x;
+                const int row = y < 0 ? expected.rows + y : y;
+                EXPECT_NEAR(read.y.at(column, row), expected.at<cv::Vec3b>(row, column)[0], 20)
+                    << turn_deg << " degrees, at " << column << ", " << row;
+            }
+        }
+    }
 }
 
 TEST_F(MasksOnDisk, NamesTheCureForMasksOfAnotherSize) {

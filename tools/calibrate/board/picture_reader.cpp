@@ -1,5 +1,7 @@
 #include "tools/calibrate/board/picture_reader.hpp"
 
+#include "site_node/capture/video_rotation.hpp"
+
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -38,6 +40,7 @@ struct PictureReader::State {
             if (next_number % step != 0) continue;
             cv::Mat colour, gray;
             if (!video.retrieve(colour) || colour.empty()) continue;
+            capture::correct_rotation(video, colour);
             if (colour.channels() == 3)
                 cv::cvtColor(colour, gray, cv::COLOR_BGR2GRAY);
             else

@@ -6,9 +6,11 @@
 #include "tools/calibrate/formats/lens.hpp"
 #include "tools/calibrate/formats/xml_numbers.hpp"
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -39,6 +41,14 @@ double units_per_pixel(const pugi::xml_node& intrinsic) {
     return last < 10'000.0 && last > 0.0 ? 1.0 : kUnitsPerPixel;
 }
 
+// Size [px] of a sensor whose sensorMax are these, by which Qualisys means the last unit. Files in
+// pixels may mean the size itself: pictures have even sizes, so their last pixel has an odd number.
+Eigen::Vector2d sensor_size(const Eigen::Vector2d& sensor_max, double units) {
+    const bool is_size = units == 1.0 && std::fmod(sensor_max.x(), 2.0) == 0.0 &&
+                         std::fmod(sensor_max.y(), 2.0) == 0.0;
+    return is_size ? sensor_max : Eigen::Vector2d((sensor_max + Eigen::Vector2d::Ones()) / units);
+}
+
 std::optional<Window> window_of(const pugi::xml_node& node, const pugi::xml_node& intrinsic) {
     const pugi::xml_node fov = node.child("fov_video");
     const auto left = attribute_number(fov, "left");
@@ -52,7 +62,8 @@ std::optional<Window> window_of(const pugi::xml_node& node, const pugi::xml_node
     const auto last_v = attribute_number(intrinsic, "sensorMaxV");
     if (!last_u || !last_v) return std::nullopt;
     const double units = units_per_pixel(intrinsic);
-    return Window{0.0, 0.0, (*last_u + 1.0) / units, (*last_v + 1.0) / units};
+    const Eigen::Vector2d size = sensor_size({*last_u, *last_v}, units);
+    return Window{0.0, 0.0, size.x(), size.y()};
 }
 
 // Most cameras of Qualisys see markers only. Some models take pictures without saying so.
@@ -83,6 +94,10 @@ Expected<void> read_intrinsic(const pugi::xml_node& node,
     const auto window = window_of(node, intrinsic);
     if (!window) return wrong(where, camera, "neither <fov_video> nor sensorMaxU and sensorMaxV");
     const double units = units_per_pixel(intrinsic);
+    constexpr const char* kInPixels =
+        "intrinsics: in pixels, not in 1/64 px as Qualisys writes them (sensorMaxU is below 10000)";
+    if (units == 1.0 && std::ranges::find(notes, kInPixels) == notes.end())
+        notes.emplace_back(kInPixels);
     const std::vector<double> m = lens.matrix;
     // unit 0 is the first of a pixel's units, and the pixel's centre between them all
     const double centre = 0.5 * (units - 1.0);

@@ -44,6 +44,9 @@ Expected<Material> Gatherer::run() {
     take_numbering();
     if (auto done = look_at_all(); !done) return tl::unexpected(done.error());
     if (auto done = compare_numbers(); !done) return tl::unexpected(done.error());
+    if (folders_.compare) {
+        if (auto done = folders_.compare(material_); !done) return tl::unexpected(done.error());
+    }
     if (auto done = gather_masks(); !done) return tl::unexpected(done.error());
     if (auto done = gather_backgrounds(); !done) return tl::unexpected(done.error());
     return std::move(material_);

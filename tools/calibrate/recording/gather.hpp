@@ -5,11 +5,14 @@
 #include "tools/calibrate/recording/shots.hpp"
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
 namespace atrium::calibrate {
+
+struct Material;
 
 /// Where the pictures of a rig are searched.
 struct PictureFolders {
@@ -28,6 +31,9 @@ struct PictureFolders {
     std::map<std::string, std::string> left_out = {};
     std::string why_unknown = {};  // cameras are not in the calibration; or empty
     Originals originals = {};      // names of cameras in the calibration, if other ones
+    /// Compares the frames, found and looked at, with the calibration. Before masks and rooms are
+    /// compared with the frames: where those are wrong, advice about these would be too.
+    std::function<Expected<void>(const Material&)> compare = {};
 };
 
 /// The pictures of a rig, found in folders of another program.
@@ -51,7 +57,7 @@ struct Material {
 /// Finds frames, backgrounds and masks of these cameras. Errors of `find_shots` and `match_shots`,
 /// and kConfiguration if fewer than two cameras have frames, if their pictures have no number in
 /// common, if only some have masks in a folder that the user named, or if masks have another size
-/// than their pictures or look inverted.
+/// than their pictures or look inverted; and those of `compare`.
 Expected<Material> gather(const std::vector<std::string>& cameras, const PictureFolders& folders);
 
 }  // namespace atrium::calibrate

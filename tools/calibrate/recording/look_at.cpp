@@ -1,6 +1,7 @@
 #include "core/base/readable.hpp"
 #include "site_node/capture/truncated_picture.hpp"
 #include "site_node/capture/video_length.hpp"
+#include "site_node/capture/video_rotation.hpp"
 #include "tools/calibrate/recording/codec_rate.hpp"
 #include "tools/calibrate/recording/shots.hpp"
 
@@ -86,6 +87,7 @@ Expected<Look> look_at(const Shots& shots) try {
         return tl::unexpected(not_decoded(shots.path));
     look.width = picture.cols;
     look.height = picture.rows;
+    look.rotation_deg = capture::rotation_tag_deg(video);
     const double rate_hz = video.get(cv::CAP_PROP_FPS);
     if (rate_hz >= 0.1 && rate_hz <= 1000.0) {
         look.rate_hz = rate_hz;

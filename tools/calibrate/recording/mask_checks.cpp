@@ -12,31 +12,82 @@
 
 namespace atrium::calibrate {
 
+namespace {
+
+bool are_swapped(const Look& one, const Look& other) {
+    return one.width == other.height && one.height == other.width;
+}
+
+// A command that writes changed copies of a camera's masks below `folder`.
+std::string copying(const Material& material,
+                    const std::string& camera,
+                    const std::string& folder,
+                    const std::string& change) {
+    const Shots& shots = material.masks.at(camera);
+    const std::filesystem::path example = shots.pictures.begin()->second;
+    const bool is_shared = std::ranges::any_of(material.masks, [&](const auto& entry) {
+        return entry.first != camera && entry.second.path == shots.path;
+    });
+    return fmt::format("mkdir -p {0} && mogrify -path {0} {1} {2}/*{3}",
+                       quoted(is_shared ? folder : folder + "/" + camera),
+                       change,
+                       quoted(example.parent_path().string()),
+                       example.extension().string());
+}
+
+// What to do with masks of the wrong size.
+std::string resizing(const Material& material,
+                     const std::string& camera,
+                     const Look& mask,
+                     bool all_are_wrong) {
+    const Look& frame = material.looks.at(camera);
+    const std::string rest =
+        all_are_wrong ? "" : "copy the masks of the other cameras beside them, ";
+    if (are_swapped(mask, frame)) {
+        return fmt::format(
+            "they are on their side: make them again from the pictures, or write turned copies: {} "
+            "(-rotate 270 if they are then upside down), {}and import again with --masks turned",
+            copying(material, camera, "turned", "-rotate 90"),
+            rest);
+    }
+    return fmt::format(
+        "write scaled copies without smoothing, camera by camera: {}, {}and import again with "
+        "--masks scaled",
+        copying(material,
+                camera,
+                "scaled",
+                fmt::format("-filter point -resize '{}x{}!'", frame.width, frame.height)),
+        rest);
+}
+
+}  // namespace
+
 Expected<void> check_mask_sizes(const Material& material) {
     std::vector<std::string> wrong;
-    std::string first;  // what is wrong with the first of them
+    Look mask_of_first;
     for (const auto& [camera, shots] : material.masks) {
         const auto mask = look_at(shots);
         if (!mask) return tl::unexpected(mask.error());
         const Look& frame = material.looks.at(camera);
         if (mask->width == frame.width && mask->height == frame.height) continue;
+        if (wrong.empty()) mask_of_first = *mask;
         wrong.push_back(camera);
-        if (!first.empty()) continue;
-        first = fmt::format(
-            "those of '{0}' have {1}x{2} px, its pictures {3}x{4}; scale copies of all masks "
-            "without smoothing, for example mogrify -filter point -resize '{3}x{4}!' {5}/*.png, "
-            "and import again",
-            camera,
-            mask->width,
-            mask->height,
-            frame.width,
-            frame.height,
-            shots.pictures.begin()->second.parent_path().string());
     }
     if (wrong.empty()) return {};
+    const std::string& camera = wrong.front();
+    const Look& frame = material.looks.at(camera);
     return make_error(
         ErrorKind::kConfiguration,
-        fmt::format("masks of {} have another size than the pictures: {}", listed(wrong), first));
+        fmt::format(
+            "masks of {} have another size than the pictures: those of '{}' have {}x{} px, "
+            "its pictures {}x{}; {}",
+            listed(wrong),
+            camera,
+            mask_of_first.width,
+            mask_of_first.height,
+            frame.width,
+            frame.height,
+            resizing(material, camera, mask_of_first, wrong.size() == material.masks.size())));
 }
 
 Expected<void> check_background_sizes(const Material& material) {
@@ -53,13 +104,14 @@ Expected<void> check_background_sizes(const Material& material) {
         const auto& file = shots.is_video ? shots.path : shots.pictures.begin()->second;
         first = fmt::format(
             "{} has {}x{} px, the pictures of '{}' {}x{}; film the empty room with the same "
-            "settings of the camera, or scale copies as a whole, and import again",
+            "settings of the camera, or {} copies as a whole, and import again",
             file.string(),
             room->width,
             room->height,
             camera,
             frame.width,
-            frame.height);
+            frame.height,
+            are_swapped(*room, frame) ? "turn" : "scale");
     }
     if (wrong.empty()) return {};
     return make_error(ErrorKind::kConfiguration,

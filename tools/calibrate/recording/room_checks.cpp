@@ -1,6 +1,7 @@
 #include "tools/calibrate/recording/room_checks.hpp"
 
 #include "site_node/capture/picture_file.hpp"
+#include "site_node/capture/video_rotation.hpp"
 #include "site_node/segmentation/component_votes.hpp"
 #include "site_node/segmentation/room_light.hpp"
 #include "site_node/segmentation/segmentation.hpp"
@@ -46,6 +47,7 @@ std::vector<image::YuvImage> read_video(const fs::path& file, std::size_t max_de
     for (std::size_t i = 0; i < num_read && video.grab(); ++i) {
         if (i * kMostPictures < pictures.size() * num_read) continue;
         if (!video.retrieve(bgr) || bgr.type() != CV_8UC3) break;
+        capture::correct_rotation(video, bgr);
         image::yuv_from_bgr(bgr.data, bgr.cols, bgr.rows, bgr.step[0], pictures.emplace_back());
     }
     return pictures;

@@ -45,6 +45,7 @@ struct Look {
     double codec_rate_hz = 0.0;     // the same, as the pictures say (codec_rate.hpp); 0: unknown
     std::size_t num_frames = 0;     // a video's may be wrong
     std::size_t num_in_header = 0;  // more than `num_frames` if a video is truncated
+    int rotation_deg = 0;           // of a video: clockwise, by its tag; already applied
     capture::LostPictures lost{};   // of a video
 };
 /// Opens the first picture. Error kInvalidData if it cannot be decoded, with cause and cure.

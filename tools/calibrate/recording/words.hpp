@@ -24,4 +24,7 @@ inline std::string counted(std::size_t number, const char* one) {
     return fmt::format("{} {}{}", number, one, number == 1 ? "" : "s");
 }
 
+/// A word of a command line, in quotes if a shell needs them.
+std::string quoted(const std::string& word);
+
 }  // namespace atrium::calibrate

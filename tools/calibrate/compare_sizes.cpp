@@ -1,0 +1,124 @@
+#include "tools/calibrate/compare_sizes.hpp"
+
+#include "tools/calibrate/recording/words.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <vector>
+
+namespace atrium::calibrate {
+namespace {
+
+// Whether pictures have the shape of the calibration, but on its side.
+bool is_on_its_side(const geometry::PinholeCamera& lens, const Look& look) {
+    const double calibrated = static_cast<double>(lens.width) / lens.height;
+    const double seen = static_cast<double>(look.width) / look.height;
+    return std::abs(calibrated * seen - 1.0) < 0.02 && std::abs(calibrated / seen - 1.0) > 0.02;
+}
+
+// A command for videos, which honours the file's tag first.
+std::string turning(const std::string& file, int transpose) {
+    const std::size_t dot = file.find_last_of("./");
+    const std::string suffix =
+        dot == std::string::npos || file[dot] == '/' ? std::string() : file.substr(dot);
+    return fmt::format("`ffmpeg -i {} -vf transpose={} OUT{}`", quoted(file), transpose, suffix);
+}
+
+// The cure for pictures on their side. No file says in which direction QTM turns, so both are
+// given: transpose=2 undoes a turn by 90 degrees clockwise.
+std::string turn_back(const ForeignCamera& camera, const Shots& shots, int tag_deg) {
+    const int qtm_deg = camera.view_rotation_deg;
+    if (qtm_deg == 90 || qtm_deg == 270) {
+        return fmt::format(
+            "QTM turned them, as viewrotation {} of the calibration says; export them with a "
+            "rotation of 0, or turn them back: ffmpeg -i FILE -vf transpose={} OUT; if the "
+            "silhouettes do not fit then, with transpose={}",
+            qtm_deg,
+            qtm_deg == 90 ? 2 : 1,
+            qtm_deg == 90 ? 1 : 2);
+    }
+    const std::string file = shots.path.string();
+    if (!shots.is_video)
+        return "they were turned, perhaps as their EXIF data say; export them as the camera took "
+               "them";
+    if (tag_deg == 90 || tag_deg == 270) {
+        return fmt::format(
+            "{} has a rotation tag of {} degrees, by which its pictures were turned; the "
+            "calibration is of pictures without it: turn it back with {}",
+            file,
+            tag_deg,
+            turning(file, tag_deg == 90 ? 2 : 1));
+    }
+    return fmt::format(
+        "{} has no rotation tag: turn it with {}, or transpose=2 if it is then upside down",
+        file,
+        turning(file, 1));
+}
+
+// The camera of a picture on its side, and the others.
+tl::unexpected<Error> turned(const std::vector<const ForeignCamera*>& cameras,
+                             const Material& material) {
+    const ForeignCamera& camera = *cameras.front();
+    const Look& look = material.looks.at(camera.name);
+    std::vector<std::string> others;
+    for (std::size_t i = 1; i < cameras.size(); ++i) others.push_back(cameras[i]->known_name());
+    return make_error(
+        ErrorKind::kConfiguration,
+        fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px: {}{}",
+                    camera.known_name(),
+                    camera.lens.width,
+                    camera.lens.height,
+                    look.width,
+                    look.height,
+                    turn_back(camera, material.frames.at(camera.name), look.rotation_deg),
+                    others.empty() ? "" : "; the same with " + listed(others)));
+}
+
+Expected<void> compare(ForeignCamera& camera, const Look& look, const Said& said) {
+    const bool is_unknown = camera.lens.width == 0 || camera.lens.height == 0;
+    if (camera.lens.width == look.width && camera.lens.height == look.height) return {};
+    if (!is_unknown && !said.size) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("camera '{0}': calibrated at {1}x{2} px, but its pictures have {3}x{4} px; "
+                        "if they show the whole picture, scaled, say --size {3}x{4}",
+                        camera.known_name(),
+                        camera.lens.width,
+                        camera.lens.height,
+                        look.width,
+                        look.height));
+    }
+    if (said.size && *said.size != std::array{look.width, look.height}) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("--size says {}x{}, but the pictures of camera '{}' have {}x{} px",
+                        (*said.size)[0],
+                        (*said.size)[1],
+                        camera.known_name(),
+                        look.width,
+                        look.height));
+    }
+    return set_picture_size(camera, {look.width, look.height});
+}
+
+}  // namespace
+
+Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Said& said) {
+    std::vector<const ForeignCamera*> on_their_side;
+    for (const ForeignCamera& camera : rig.cameras) {
+        const auto look = material.looks.find(camera.name);
+        if (look != material.looks.end() && camera.lens.width > 0 && camera.lens.height > 0 &&
+            is_on_its_side(camera.lens, look->second))
+            on_their_side.push_back(&camera);
+    }
+    if (!on_their_side.empty()) return turned(on_their_side, material);
+    for (ForeignCamera& camera : rig.cameras) {
+        const auto look = material.looks.find(camera.name);
+        if (look == material.looks.end()) continue;
+        if (auto compared = compare(camera, look->second, said); !compared) return compared;
+    }
+    return {};
+}
+
+}  // namespace atrium::calibrate
