@@ -3,6 +3,7 @@
 #include "core/geometry/roll_pitch_yaw.hpp"
 #include "world_server/description/amount_doubts.hpp"
 #include "world_server/description/hinge_doubts.hpp"
+#include "world_server/description/hollow_doubts.hpp"
 #include "world_server/description/layout_doubts.hpp"
 #include "world_server/description/load_doubts.hpp"
 #include "world_server/description/scenery_doubts.hpp"
@@ -367,6 +368,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_starts(world, lines);
     doubt_starts_in_scenery(world, lines);
     doubt_soft(world, lines);
+    doubt_hollows(world, lines);
     doubt_loads(world, tick_hz, lines);
     doubt_amounts(world, lines);
     doubt_rights(world, lines);

@@ -2,6 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "world_server/description/world_object.hpp"
 #include "world_server/physics/rigid/rigid_object.hpp"
 
 #include <filesystem>
@@ -15,6 +16,7 @@ using ModelParts = std::shared_ptr<const std::vector<geometry::TriangleMesh>>;
 
 struct LoadedModel {
     ModelParts parts;                          // hulls
+    ModelSurface surface;                      // see WorldObject
     std::string own_texture;                   // picture that the file names; empty: none
     std::string missing_materials;             // see Look
     std::vector<Eigen::Vector3d> own_colours;  // different ones that the file states

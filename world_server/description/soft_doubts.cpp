@@ -1,5 +1,6 @@
 #include "world_server/description/soft_doubts.hpp"
 
+#include "world_server/description/hollow_doubts.hpp"
 #include "world_server/description/start_doubts.hpp"
 #include "world_server/physics/soft/soft_mesh.hpp"
 #include "world_server/physics/start_overlap.hpp"
@@ -42,13 +43,20 @@ void doubt_soft_start(const WorldDescription& world,
             return;
         }
         if (depth_m <= kDeepSoft_m) continue;
+        const auto depth_in = [&](const geometry::SurfaceTree& bodies) {
+            physics::SoftObject moved = soft.object;
+            moved.world_from_object =
+                object.rigid.world_from_object.inverse() * soft.object.world_from_object;
+            return physics::depth_m(moved, bodies);
+        };
         lines.push_back(
             fmt::format("soft_looks_wrong name={} reason=\"starts {:.2f} m inside {}, which {}: "
-                        "move it with position_m\"",
+                        "{}move it with position_m\"",
                         soft.name,
                         depth_m,
                         object.name,
-                        rigid.mass_kg == 0.0 ? "is fixed" : "throws both apart"));
+                        rigid.mass_kg == 0.0 ? "is fixed" : "throws both apart",
+                        cause_in_hollow(object, depth_m, depth_in)));
         return;
     }
 }

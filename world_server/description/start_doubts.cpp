@@ -2,6 +2,7 @@
 
 #include "core/geometry/roll_pitch_yaw.hpp"
 #include "core/model/model_file.hpp"
+#include "world_server/description/hollow_doubts.hpp"
 #include "world_server/physics/soft/soft_mesh.hpp"
 #include "world_server/physics/start_overlap.hpp"
 
@@ -65,6 +66,14 @@ bool pass_through(const WorldDescription& world, std::uint32_t a, std::uint32_t 
     });
 }
 
+// Of `moving` inside a surface in the frame of `other` [m].
+double depth_in(const geometry::SurfaceTree& surface,
+                physics::RigidObject moving,
+                const WorldObject& other) {
+    moving.world_from_object = other.rigid.world_from_object.inverse() * moving.world_from_object;
+    return physics::depth_m(moving, surface);
+}
+
 // Each object is compared with the fixed ones and with the moving ones before it.
 void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines) {
     std::vector<DeepStart> deep;
@@ -88,7 +97,9 @@ void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines)
                 {&object,
                  depth_m,
                  other.name + (is_fixed ? ", which is fixed" : ", which throws both apart"),
-                 cure_of(object, depth_of)});
+                 cause_in_hollow(other, depth_m, [&](const geometry::SurfaceTree& surface) {
+                     return depth_in(surface, moving, other);
+                 }) + cure_of(object, depth_of)});
             break;
         }
     }

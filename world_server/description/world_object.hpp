@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,10 @@ struct Look {
     std::vector<Eigen::Vector3d> own_colours{};
 };
 
+/// The surface of a convex or compound object's model, welded and facing outwards, in the object's
+/// frame. Empty if it has more than pinholes, and for other shapes.
+using ModelSurface = std::shared_ptr<const geometry::TriangleMesh>;
+
 /// An object as described in the world file. Ids are positions in the file, from 1. Parts of
 /// puppets come after all objects.
 struct WorldObject {
@@ -33,6 +38,7 @@ struct WorldObject {
     physics::RigidObject rigid{};
     std::string where{};   // place of its position in the file, for errors; empty: unknown
     std::string puppet{};  // name of the puppet that it is a part of; empty: none
+    ModelSurface surface{};
 };
 
 /// Returns the object for the physics: a compound of one part becomes convex.

@@ -1,5 +1,10 @@
 #include "tests/unit/world_server/world_doubts.hpp"
 
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
 namespace atrium::world_server {
 namespace {
 
@@ -7,6 +12,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 TEST_F(WorldDoubts, NameAnObjectThatStartsInsideAFixedOne) {
     EXPECT_THAT(doubts(kFloor + box("b", 1, "position_m = [0, 0, 0.16]")), IsEmpty());
@@ -129,6 +135,127 @@ TEST_F(WorldDoubts, NameALinkThatCarriesSomethingHeavy) {
     EXPECT_THAT(doubts(chain(40)), IsEmpty()) << "hangs from nothing";
     const std::string other_end = "[[joint]]\nkind = \"ball\"\na = \"w\"\nanchor_m = [0, 0, 1.0]\n";
     EXPECT_THAT(doubts(chain(40) + hook + other_end), IsEmpty()) << "the weight is held itself";
+}
+
+// A square bucket of 0.4 m, open above, with walls of 2 cm, as one closed mesh; or its five walls
+// as parts.
+std::string bucket_obj(bool is_split, bool faces_inwards = false) {
+    std::string text;
+    std::size_t num_vertices = 0;
+    const auto add_vertices = [&](const std::vector<std::array<double, 3>>& corners) {
+        for (const auto& c : corners) text += fmt::format("v {} {} {}\n", c[0], c[1], c[2]);
+        num_vertices += corners.size();
+    };
+    const auto add_face = [&](std::array<std::size_t, 4> f, std::size_t first) {
+        if (faces_inwards) std::swap(f[1], f[3]);
+        text +=
+            fmt::format("f {} {} {} {}\n", first + f[0], first + f[1], first + f[2], first + f[3]);
+    };
+    if (is_split) {
+        const std::array<std::array<double, 6>, 5> walls{{{-0.2, -0.2, 0.0, 0.2, 0.2, 0.02},
+                                                          {-0.2, -0.2, 0.02, -0.18, 0.2, 0.4},
+                                                          {0.18, -0.2, 0.02, 0.2, 0.2, 0.4},
+                                                          {-0.18, -0.2, 0.02, 0.18, -0.18, 0.4},
+                                                          {-0.18, 0.18, 0.02, 0.18, 0.2, 0.4}}};
+        for (std::size_t w = 0; w < walls.size(); ++w) {
+            text += fmt::format("o wall{}\n", w);
+            const std::size_t first = num_vertices + 1;
+            std::vector<std::array<double, 3>> corners;
+            for (std::size_t i = 0; i < 8; ++i)
+                corners.push_back({walls[w][(i & 1U) != 0 ? 3 : 0],
+                                   walls[w][(i & 2U) != 0 ? 4 : 1],
+                                   walls[w][(i & 4U) != 0 ? 5 : 2]});
+            add_vertices(corners);
+            for (const auto& face : std::vector<std::array<std::size_t, 4>>{{0, 2, 3, 1},
+                                                                            {4, 5, 7, 6},
+                                                                            {0, 1, 5, 4},
+                                                                            {2, 6, 7, 3},
+                                                                            {0, 4, 6, 2},
+                                                                            {1, 3, 7, 5}})
+                add_face(face, first);
+        }
+        return text;
+    }
+    const auto ring = [&](double half_m, double z_m) {
+        add_vertices({{-half_m, -half_m, z_m},
+                      {half_m, -half_m, z_m},
+                      {half_m, half_m, z_m},
+                      {-half_m, half_m, z_m}});
+    };
+    ring(0.2, 0.0);
+    ring(0.2, 0.4);
+    ring(0.18, 0.4);
+    ring(0.18, 0.02);
+    add_face({3, 2, 1, 0}, 1);
+    for (std::size_t level = 0; level < 3; ++level) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::size_t next = (i + 1) % 4;
+            add_face({i, next, 4 + next, 4 + i}, 1 + 4 * level);
+        }
+    }
+    add_face({0, 1, 2, 3}, 13);
+    return text;
+}
+
+TEST_F(WorldDoubts, NameTheHollowThatThePhysicsFills) {
+    const auto bucket = [](const std::string& shape) {
+        return "[[object]]\nname = \"bucket\"\nshape = \"" + shape +
+               "\"\nmodel = \"bucket.obj\"\nmass_kg = 1\nposition_m = [1, 0, 1]\n"
+               "roll_pitch_yaw_deg = [0, 0, 30]\n";
+    };
+    const std::string apple =
+        "[[object]]\nname = \"apple\"\nshape = \"sphere\"\ndiameter_m = 0.1\nmass_kg = 0.1\n"
+        "position_m = [1, 0, ";
+    const auto cause = HasSubstr(
+        "the physics fills the hollow of bucket: split it into parts (`o` lines of an OBJ, meshes "
+        "of a GLB) with shape = 'compound'");
+    for (const bool faces_inwards : {false, true}) {
+        put("bucket.obj", bucket_obj(false, faces_inwards));
+        for (const char* shape : {"convex", "compound"}) {
+            EXPECT_THAT(doubts(bucket(shape) + apple + "1.07]\n"),
+                        ElementsAre(AllOf(HasSubstr("name=apple reason=\"starts"),
+                                          HasSubstr("inside bucket"),
+                                          cause,
+                                          HasSubstr(", or move it with position_m"))))
+                << "once, although the compound has one part";
+        }
+        EXPECT_THAT(doubts(bucket("compound") + apple + "1.6]\n"),
+                    ElementsAre(AllOf(HasSubstr("name=bucket model=bucket.obj reason=\"its file "
+                                                "has one part, whose surface encloses 23 % of its "
+                                                "convex hull"),
+                                      cause)));
+        EXPECT_THAT(doubts(bucket("convex") + apple + "1.6]\n"), IsEmpty())
+            << "a convex shape is said to be one hull";
+    }
+    const std::string cloth =
+        "[[soft]]\nname = \"ball\"\nshape = \"ball\"\ndiameter_m = 0.2\nmass_kg = 0.2\n"
+        "position_m = [1, 0, 1.2]\n";
+    EXPECT_THAT(doubts(bucket("convex") + cloth),
+                ElementsAre(AllOf(HasSubstr("soft_looks_wrong name=ball"), cause)));
+    put("bucket.obj", bucket_obj(true));
+    EXPECT_THAT(doubts(bucket("compound") + apple + "1.07]\n"), IsEmpty());
+    // as turned shapes have on their axis
+    std::string pinhole = bucket_obj(false);
+    pinhole.erase(pinhole.rfind("f "));
+    pinhole +=
+        "v -0.001 -0.001 0.02\nv 0.001 -0.001 0.02\nv 0.001 0.001 0.02\nv -0.001 0.001 0.02\n"
+        "f 13 14 18 17\nf 14 15 19 18\nf 15 16 20 19\nf 16 13 17 20\n";
+    put("bucket.obj", pinhole);
+    EXPECT_THAT(doubts(bucket("convex") + apple + "1.07]\n"), ElementsAre(cause));
+}
+
+TEST_F(WorldDoubts, BlameNoHollowForWhatStartsInSomethingSolid) {
+    put("rock.obj",
+        "v 0 0 0\nv 0.9 0 0\nv 0 0.9 0\nv 0 0 0.9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    const std::string rock =
+        "[[object]]\nname = \"rock\"\nshape = \"compound\"\nmodel = \"rock.obj\"\nmass_kg = 50\n";
+    EXPECT_THAT(doubts(rock + box("b", 1, "position_m = [0.2, 0.2, 0.2]")),
+                ElementsAre(AllOf(HasSubstr("inside rock"), Not(HasSubstr("hollow")))));
+    // a bucket whose bottom is missing encloses nothing
+    std::string open = bucket_obj(false);
+    open.erase(open.find("f "), open.find('\n', open.find("f ")) + 1 - open.find("f "));
+    put("rock.obj", open);
+    EXPECT_THAT(doubts(rock + box("b", 1, "position_m = [2, 0, 0]")), IsEmpty());
 }
 
 TEST_F(WorldDoubts, NameAModelThatStartsInTheFloor) {
