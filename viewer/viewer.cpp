@@ -268,6 +268,7 @@ void Viewer::Impl::update_status(Clock::time_point now) {
     hud.num_video_dropped = output_files.num_dropped();
     hud.missing_file = picture.scene.missing_file();
     hud.other_worlds = membership.other_worlds();
+    hud.preparing = membership.sites_other_than(picture.scene.site_names());
     statistics.update(
         now, *session, picture.people, picture.scene.site_names(), drawing->quality(), hud);
     hud.left = departed.update(hud.sites, now);

@@ -109,14 +109,23 @@ std::string free_name(const std::string& name,
     }
 }
 
+// The name itself if it is free.
+std::string unused_name(const std::string& name,
+                        const std::map<std::uint32_t, bus::SceneObject>& objects) {
+    const bool is_used =
+        std::ranges::any_of(objects, [&](const auto& there) { return there.second.name == name; });
+    return is_used ? free_name(name, objects) : name;
+}
+
 }  // namespace
 
 bus::SceneObject make_object(const NewObject& wanted,
                              const renderer::EyeView& eye,
-                             const std::vector<TakenPlace>& taken) {
+                             const std::vector<TakenPlace>& taken,
+                             const std::map<std::uint32_t, bus::SceneObject>& objects) {
     bus::SceneObject object;
     object.shape = wanted.shape;
-    object.name = valid_name(wanted.name, wanted.shape);
+    object.name = unused_name(valid_name(wanted.name, wanted.shape), objects);
     object.size_m = size_of(wanted);
     object.mass_kg = std::clamp(wanted.mass_kg, 0.01, 1000.0);
     object.restitution = wanted.shape == bus::Shape::kSphere ? 0.6 : 0.2;
@@ -128,12 +137,14 @@ bus::SceneObject make_object(const NewObject& wanted,
 
 bus::SceneObject make_object(const NewModel& wanted,
                              const renderer::EyeView& eye,
-                             const std::vector<TakenPlace>& taken) {
+                             const std::vector<TakenPlace>& taken,
+                             const std::map<std::uint32_t, bus::SceneObject>& objects) {
     const std::size_t begin = wanted.file.find_last_of('/') + 1;  // 0 if there is no folder
     const std::size_t end = wanted.file.find('.', begin);
     bus::SceneObject object;
     object.shape = wanted.is_compound ? bus::Shape::kCompound : bus::Shape::kConvex;
-    object.name = valid_name(wanted.file.substr(begin, end - begin), object.shape);
+    object.name =
+        unused_name(valid_name(wanted.file.substr(begin, end - begin), object.shape), objects);
     object.model = wanted.file;
     object.model_scale = wanted.scale;
     object.size_m = (wanted.scale * wanted.size_m).cwiseMax(kMinSizeM);

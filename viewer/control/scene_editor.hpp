@@ -33,15 +33,18 @@ struct TakenPlace {
 
 /// Builds an object that bus and physics accept. Places it before the eye and above the floor
 /// (z=0), far enough that it stays visible when it falls, but at most 6 m away; aside of what is
-/// `taken`, if there is a free place in the picture.
+/// `taken`, if there is a free place in the picture. If one of `objects` has its name, it gets the
+/// next free one (crate, crate_2, crate_3).
 bus::SceneObject make_object(const NewObject& wanted,
                              const renderer::EyeView& eye,
-                             const std::vector<TakenPlace>& taken = {});
+                             const std::vector<TakenPlace>& taken = {},
+                             const std::map<std::uint32_t, bus::SceneObject>& objects = {});
 
-/// Builds an object of a model. It is placed like others.
+/// Builds an object of a model. It is placed and named like others.
 bus::SceneObject make_object(const NewModel& wanted,
                              const renderer::EyeView& eye,
-                             const std::vector<TakenPlace>& taken = {});
+                             const std::vector<TakenPlace>& taken = {},
+                             const std::map<std::uint32_t, bus::SceneObject>& objects = {});
 
 /// Copies an object that stands at `pose`. The copy has a name that no object has (crate, crate_2,
 /// crate_3) and stands beside it, at its height, aside of what is `taken`.

@@ -136,7 +136,8 @@ UserControl::Commands UserControl::edit(const SurfaceEvents& events,
     Commands commands;
     if (events.reset_scene) commands.push_back(editor_.reset());
     if (events.add) {
-        const bus::SceneObject object = make_object(*events.add, eye, taken_places(shown));
+        const bus::SceneObject object =
+            make_object(*events.add, eye, taken_places(shown), shown.objects);
         if (editing_.is_supported())
             add_to(edits_, editing_.add(object, now));
         else
@@ -144,8 +145,10 @@ UserControl::Commands UserControl::edit(const SurfaceEvents& events,
     }
     // an older world server does not react, which the history reports
     if (events.edit.add_model)
-        add_to(edits_,
-               editing_.add(make_object(*events.edit.add_model, eye, taken_places(shown)), now));
+        add_to(
+            edits_,
+            editing_.add(
+                make_object(*events.edit.add_model, eye, taken_places(shown), shown.objects), now));
     if (events.edit.duplicate)
         add_to(edits_, editing_.duplicate(edit_shown(shown), taken_places(shown), now));
     if (events.remove) remove(*events.remove, shown, now, commands);

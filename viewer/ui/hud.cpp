@@ -43,11 +43,7 @@ void draw_sites(const HudContent& content) {
     const auto num_people =
         std::ranges::count_if(content.sites, [](const SiteLine& line) { return line.number > 0; });
     if (num_people == 0) {
-        const std::size_t num_sites = content.sites.size();
-        const std::string who =
-            num_sites == 0
-                ? "nobody is here"
-                : fmt::format("{} {}, no people yet", num_sites, num_sites == 1 ? "site" : "sites");
+        const std::string who = nobody_text(content);
         const auto& heard = content.other_worlds.heard;
         const std::string others =
             heard.empty() ? "" : fmt::format(" ({})", fmt::join(heard, ", "));
@@ -122,6 +118,23 @@ void draw_cell(std::string_view text, bool is_key) {
 }
 
 }  // namespace
+
+std::string nobody_text(const HudContent& content) {
+    const std::size_t num_sites = content.sites.size();
+    const std::size_t num_preparing = content.preparing.size();
+    if (num_sites + num_preparing == 0) return "nobody is here";
+    std::string text;
+    if (num_sites > 0)
+        text = fmt::format("{} {}, no people yet", num_sites, num_sites == 1 ? "site" : "sites");
+    if (num_preparing > 0) {
+        text += fmt::format("{}{} {} {} preparing",
+                            text.empty() ? "" : "; ",
+                            num_preparing == 1 ? "site" : "sites",
+                            fmt::join(content.preparing, ", "),
+                            num_preparing == 1 ? "is" : "are");
+    }
+    return text;
+}
 
 void draw_hud(const HudContent& content, const HudForm& form) {
     const bool has_details = form.has_details;

@@ -56,7 +56,8 @@ struct HudContent {
     std::uint64_t num_incomplete = 0;  // pairs with lost samples
     std::uint64_t num_rejected = 0;
     std::string world;
-    std::vector<SiteLine> sites;  // by name
+    std::vector<SiteLine> sites;         // by name
+    std::vector<std::string> preparing;  // sites that are present and have published nothing yet
     std::vector<ViewpointLine> viewpoints;
     bool has_other_worlds = false;  // the user may go back to the list of worlds
     bus::OtherWorlds other_worlds;

@@ -272,7 +272,7 @@ void write(const physics::WorldOptions& world, std::string& text) {
                                                                 : "reset");
 }
 
-// A world file needs names that differ; objects that were added may share one.
+// A world file needs names that differ; objects that two viewers add at once may share one.
 Names unique_names(const std::vector<WorldObject>& objects,
                    const std::vector<WorldSoftObject>& soft) {
     constexpr std::size_t kMaxLength = 63;
@@ -282,7 +282,7 @@ Names unique_names(const std::vector<WorldObject>& objects,
     for (const WorldObject& object : objects) {
         std::string name = object.name;
         for (int i = 2; !used.insert(name).second; ++i) {
-            const std::string ending = fmt::format("-{}", i);
+            const std::string ending = fmt::format("_{}", i);
             name = object.name.substr(0, kMaxLength - ending.size()) + ending;
         }
         names[object.rigid.id] = name;

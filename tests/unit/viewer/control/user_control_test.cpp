@@ -88,6 +88,22 @@ TEST_F(UserKeys, SayThatTheyActOnASelectedObject) {
     EXPECT_THAT(control_.take_edits(), IsEmpty());
 }
 
+TEST_F(UserKeys, GiveAddedObjectsNamesThatAreFree) {
+    EditNews news;
+    news.saved_worlds.emplace();  // the server knows edits
+    control_.take(news, now_);
+    SurfaceEvents events;
+    events.add.emplace().name = "ball";  // as object 3 is called
+    EXPECT_THAT(texts(events), IsEmpty());
+    events = {};
+    events.edit.add_model.emplace().file = "models/teddy.ply";
+    texts(events);
+    const WorldEditing::Edits added = control_.take_edits();
+    ASSERT_EQ(added.size(), 2U);
+    EXPECT_EQ(added[0].object.name, "ball_2");
+    EXPECT_EQ(added[1].object.name, "teddy");
+}
+
 TEST_F(UserKeys, DuplicateTheSelectedObjectSelectItAndUndoRemovesIt) {
     SurfaceEvents events;
     events.edit.select = 3;

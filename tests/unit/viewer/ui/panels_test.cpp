@@ -2,6 +2,7 @@
 #include "viewer/start/start_screen.hpp"
 #include "viewer/ui/curve.hpp"
 #include "viewer/ui/fields.hpp"
+#include "viewer/ui/hud.hpp"
 #include "viewer/ui/keys.hpp"
 #include "viewer/ui/panel_layout.hpp"
 #include "viewer/ui/site_lines.hpp"
@@ -30,6 +31,19 @@ std::string text_of_file(const std::string& file) {
     std::ostringstream text;
     text << std::ifstream(atrium::test::source_dir() + "/" + file).rdbuf();
     return text.str();
+}
+
+TEST(Hud, SaysWhomToWaitFor) {
+    HudContent content;
+    EXPECT_EQ(nobody_text(content), "nobody is here");
+    content.preparing = {"lab"};
+    EXPECT_EQ(nobody_text(content), "site lab is preparing");
+    content.preparing = {"lab", "studio"};
+    EXPECT_EQ(nobody_text(content), "sites lab, studio are preparing");
+    content.sites.resize(1);
+    EXPECT_EQ(nobody_text(content), "1 site, no people yet; sites lab, studio are preparing");
+    content.preparing.clear();
+    EXPECT_EQ(nobody_text(content), "1 site, no people yet");
 }
 
 TEST(Keys, BindEveryActionOnceAndNoKeyTwice) {
