@@ -3,6 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/base/write_check.hpp"
 #include "site_node/hull/input_limits.hpp"
+#include "site_node/rig_check/bounds_check.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
 
 #include <fmt/format.h>
@@ -51,6 +52,10 @@ Expected<config::Rig> load_checked_rig(const SiteNodeConfig& config) {
                               fmt::format("{}: {}", file.string(), finding.text));
         }
         app::log::warn("rig_looks_wrong file={} reason=\"{}\"", file.string(), finding.text);
+    }
+    if (rig->has_bounds) {
+        if (const auto doubt = rig_check::check_bounds(rig->bounds_site, rig->cameras, rig->unit_m))
+            app::log::warn("rig_looks_wrong file={} reason=\"{}\"", file.string(), doubt->text);
     }
     if (config.capture.rate_hz > 0.0) rig->rate_hz = config.capture.rate_hz;
     return rig;

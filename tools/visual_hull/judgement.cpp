@@ -1,6 +1,7 @@
 #include "tools/visual_hull/judgement.hpp"
 
 #include "core/geometry/triangle_mesh.hpp"
+#include "site_node/rig_check/bounds_check.hpp"
 #include "site_node/rig_check/diagnosis.hpp"
 #include "site_node/rig_check/hull_size.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
@@ -22,6 +23,10 @@ Expected<config::Rig> load_checked_rig(const std::filesystem::path& recording,
         std::string text = (recording / "rig.toml").string() + ": " + finding.text;
         if (finding.is_error) return make_error(ErrorKind::kConfiguration, std::move(text));
         warnings.push_back(std::move(text));
+    }
+    if (rig->has_bounds) {
+        if (const auto doubt = rig_check::check_bounds(rig->bounds_site, rig->cameras, rig->unit_m))
+            warnings.push_back((recording / "rig.toml").string() + ": " + doubt->text);
     }
     return rig;
 }

@@ -1,5 +1,6 @@
 #include "site_node/rig_check/rig_geometry.hpp"
 
+#include "site_node/rig_check/bounds_check.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/shapes/rig_maker.hpp"
@@ -26,6 +27,24 @@ std::string text_of(const std::vector<Finding>& findings) {
     for (const Finding& finding : findings)
         text += (finding.is_error ? "error " : "") + finding.text;
     return text;
+}
+
+TEST(RigGeometry, DoubtsBoundsInAnotherUnit) {
+    const auto rig = test::make_ring_rig({.radius_m = 3.0});
+    const geometry::Aabb room{{-1.5, -1.5, 0.0}, {1.5, 1.5, 2.4}};
+    const auto text = [&](double factor, double unit_m) {
+        const auto doubt = check_bounds({factor * room.min, factor * room.max}, rig, unit_m);
+        return doubt ? doubt->text : std::string("none");
+    };
+    EXPECT_EQ(text(1.0, 1.0), "none");
+    EXPECT_EQ(text(10.0, 1.0), "none") << "a hall around the rig";
+    EXPECT_EQ(text(0.1, 1.0), "none") << "a table in the room";
+    EXPECT_THAT(text(1000.0, 1.0),
+                HasSubstr("[bounds] are 3000 m large, and the cameras at most 6 m apart: they look "
+                          "like millimetres (3 m then); write them in metres"));
+    EXPECT_THAT(text(100.0, 1.0), HasSubstr("look like centimetres (3 m then)"));
+    EXPECT_THAT(text(0.01, 0.01),
+                HasSubstr("look like metres (3 m then); write them in centimetres"));
 }
 
 TEST(RigGeometry, FindsNothingInGoodRigs) {

@@ -2,6 +2,7 @@
 
 #include "site_node/coherence/coherence.hpp"
 #include "site_node/coherence/fault_text.hpp"
+#include "site_node/rig_check/bounds_check.hpp"
 #include "site_node/rig_check/diagnosis.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
 #include "tools/calibrate/refine/refine.hpp"
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <numeric>
+#include <utility>
 
 namespace atrium::calibrate {
 namespace {
@@ -53,6 +55,9 @@ void check_coverage(const config::Rig& rig, const Take& take, RigCheck& check) {
 void check_geometry(const config::Rig& rig, RigCheck& check) {
     for (const rig_check::Finding& finding : rig_check::check_rig(rig.cameras, rig.unit_m))
         (finding.is_error ? check.problems : check.checks).push_back(finding.text);
+    if (!rig.has_bounds) return;
+    if (auto doubt = rig_check::check_bounds(rig.bounds_site, rig.cameras, rig.unit_m))
+        check.checks.push_back(std::move(doubt->text));
 }
 
 void check_silhouettes(const config::Rig& rig,

@@ -1,0 +1,57 @@
+#include "site_node/rig_check/bounds_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace atrium::rig_check {
+namespace {
+
+constexpr double kTooLarge = 15.0;  // times the distance between the cameras
+constexpr double kTooSmall = 0.02;
+
+struct LengthUnit {
+    const char* plural;
+    double metres;
+    double rarity;  // in units of the logarithm of a size
+};
+constexpr std::array<LengthUnit, 5> kLengthUnits{{{"metres", 1.0, 0.0},
+                                                  {"millimetres", 0.001, 0.0},
+                                                  {"centimetres", 0.01, 0.3},
+                                                  {"inches", 0.0254, 1.2},
+                                                  {"feet", 0.3048, 1.2}}};
+
+}  // namespace
+
+std::optional<Finding> check_bounds(const geometry::Aabb& bounds_site,
+                                    std::span<const geometry::CalibratedCamera> cameras,
+                                    double unit_m) {
+    double widest_m = 0.0;
+    for (const auto& a : cameras)
+        for (const auto& b : cameras)
+            widest_m = std::max(widest_m, (a.centre_site() - b.centre_site()).norm());
+    const double size_m = bounds_site.size().maxCoeff();
+    if (!(widest_m > 0.0) || (size_m < kTooLarge * widest_m && size_m > kTooSmall * widest_m))
+        return std::nullopt;
+    // the unit in which the same numbers fit the cameras best; some are rarer than others
+    const auto misfit = [&](const LengthUnit& unit) {
+        return unit.rarity + std::abs(std::log(size_m / unit_m * unit.metres / widest_m));
+    };
+    const LengthUnit& likely = *std::ranges::min_element(kLengthUnits, {}, misfit);
+    const auto own = std::ranges::find_if(kLengthUnits, [&](const LengthUnit& unit) {
+        return std::abs(unit.metres / unit_m - 1.0) < 1e-6;
+    });
+    return Finding{
+        false,
+        fmt::format("[bounds] are {:.4g} m large, and the cameras at most {:.3g} m apart: they "
+                    "look like {} ({:.3g} m then); write them in {}, the unit of the rig",
+                    size_m,
+                    widest_m,
+                    likely.plural,
+                    size_m / unit_m * likely.metres,
+                    own == kLengthUnits.end() ? "its units" : own->plural)};
+}
+
+}  // namespace atrium::rig_check
