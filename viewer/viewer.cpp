@@ -232,7 +232,6 @@ void Viewer::Impl::fill_hud(Clock::time_point now) {
     hud.num_objects = picture.renderer->num_objects();
     hud.recording_s = output_files.video_s();
     hud.video_fps = config.video.fps;
-    hud.num_video_dropped = output_files.num_dropped();
     hud.live = output_files.live();
     hud.quality = drawing->reduced_quality();
     if (now > notice_until) hud.notice.clear();
