@@ -55,6 +55,30 @@ void declare(RoomConfig& room, config::OptionSet& set) {
             "camera noise, standard deviation [grey levels]",
             {0, 20});
     set.add("simulation.seed", room.seed, "seed of the noise");
+    set.add("simulation.bumped_camera",
+            room.bumped_camera,
+            "name of a camera that is not where the rig says, as if somebody had bumped into it; "
+            "empty: none");
+    set.add("simulation.bumped_turn_deg",
+            room.bumped_turn_deg,
+            "by how much it turned to its right [deg]",
+            {-30, 30});
+    set.add("simulation.bumped_move_mm",
+            room.bumped_move_mm,
+            "by how much it moved to its right [mm]",
+            {-500, 500});
+    set.add("simulation.bumped_after_s",
+            room.bumped_after_s,
+            "how long it is in its place before that, after the empty room was learned; in "
+            "simulated_cameras, after the first picture [s]; 0: it was bumped before the start",
+            {0, 1e6});
+    set.add("simulation.late_camera",
+            room.late_camera,
+            "name of a camera whose pictures belong to another instant; empty: none");
+    set.add("simulation.late_instants",
+            room.late_instants,
+            "how many instants before theirs its pictures show; below 0: after theirs",
+            {-100, 100});
     set.add(
         "simulation.cache", room.cache, "folder of rendered loops; empty: render at every start");
 }

@@ -4,6 +4,7 @@
 #include "simulation/person.hpp"
 #include "simulation/wand_room.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -24,6 +25,12 @@ struct RoomConfig {
     double heading_deg = -90.0;  // -90 faces +X of the site
     double noise_lsb = 2.0;
     std::uint64_t seed = 1;
+    std::string bumped_camera;  // empty: none
+    double bumped_turn_deg = 1.0;
+    double bumped_move_mm = 0.0;
+    double bumped_after_s = 0.0;
+    std::string late_camera;  // empty: none
+    int late_instants = 1;
     std::filesystem::path cache = ".cache/simulation";  // folder of rendered loops; empty: no cache
 };
 

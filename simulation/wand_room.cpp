@@ -99,8 +99,12 @@ WandRoom::WandRoom(const config::Rig& rig, const WandRoomOptions& options)
     std::mt19937_64 rng(hash_of(options.seed, 0));
     std::uniform_real_distribution<double> turn(0.0, 2.0 * std::numbers::pi);
     for (int i = 0; i < 9; ++i) phases_rad_.push_back(turn(rng));
-    for (std::size_t c = 0; c < cameras_.size(); ++c)
-        scenery_.push_back(scenery(cameras_[c].intrinsics, hash_of(options.seed, c + 1)));
+    for (const geometry::CalibratedCamera& camera : cameras_) {
+        const auto first =
+            std::ranges::find(cameras_, camera.name, &geometry::CalibratedCamera::name);
+        const auto number = static_cast<std::uint64_t>(first - cameras_.begin()) + 1;
+        scenery_.push_back(scenery(camera.intrinsics, hash_of(options.seed, number)));
+    }
 }
 
 // One lamp, two reflections of it that look like lights, and four hot pixels.

@@ -27,7 +27,8 @@ struct WandRoomOptions {
 /// per megapixel, so that no loop has to be kept.
 class WandRoom {
 public:
-    /// The wand moves within `rig.bounds_site`.
+    /// The wand moves within `rig.bounds_site`. Cameras of one name have the same lamps and hot
+    /// pixels.
     WandRoom(const config::Rig& rig, const WandRoomOptions& options);
 
     /// Draws the picture that camera `camera` exposes around `time_s`; of even size. Thread-safe.

@@ -2,6 +2,7 @@
 
 #include "core/app/log.hpp"
 #include "simulation/model.hpp"
+#include "simulation/wrong_cameras.hpp"
 #include "site_node/simulated_room/simulated_source.hpp"
 #include "site_node/simulated_room/wand_source.hpp"
 
@@ -13,8 +14,10 @@ namespace atrium::simulated_room {
 Expected<std::unique_ptr<capture::FrameSource>> open_room(const config::Rig& rig,
                                                           const simulation::RoomConfig& config,
                                                           std::stop_token stop) {
+    const auto wrong = simulation::WrongCameras::create(config, rig.cameras);
+    if (!wrong) return tl::unexpected(wrong.error());
     if (config.shows == "wand")
-        return std::make_unique<WandSource>(rig, simulation::wand_room_options(config));
+        return std::make_unique<WandSource>(rig, simulation::wand_room_options(config), *wrong);
     const simulation::RoomOptions room = simulation::room_options(config, rig.rate_hz);
     if (!room.model.empty()) {
         // here, not while rendering: a loop from the cache has the same faults
@@ -31,7 +34,7 @@ Expected<std::unique_ptr<capture::FrameSource>> open_room(const config::Rig& rig
         last_percent = percent;
         app::log::info("rendering the simulated room {} %", percent);
     };
-    auto source = SimulatedSource::create(rig, room, config.cache, report, stop);
+    auto source = SimulatedSource::create(rig, room, config.cache, report, stop, *wrong);
     if (!source) return tl::unexpected(source.error());
     if (const std::string& problem = (*source)->cache_problem(); !problem.empty()) {
         app::log::warn("the rendered room cannot be cached reason=\"{}\"", problem);

@@ -2,25 +2,32 @@
 
 #include "site_node/capture/pace.hpp"
 
+#include <chrono>
+#include <optional>
+#include <vector>
+
 namespace atrium::simulated_room {
 
-SimulatedSource::SimulatedSource(config::Rig rig) : rig_(std::move(rig)), counters_(rig_) {}
+SimulatedSource::SimulatedSource(config::Rig rig, const simulation::WrongCameras& wrong)
+    : rig_(std::move(rig)), wrong_(wrong), counters_(rig_) {}
 
 Expected<std::unique_ptr<SimulatedSource>> SimulatedSource::create(
     const config::Rig& rig,
     const simulation::RoomOptions& room,
     const std::filesystem::path& cache,
     const simulation::LoopProgress& progress,
-    std::stop_token stop) {
-    std::unique_ptr<SimulatedSource> source(new SimulatedSource(rig));
+    std::stop_token stop,
+    const simulation::WrongCameras& wrong) {
+    std::unique_ptr<SimulatedSource> source(new SimulatedSource(rig, wrong));
+    const std::vector<geometry::CalibratedCamera> cameras = wrong.rendered(rig.cameras);
     source->rig_.rate_hz = room.rate_hz;
     if (cache.empty()) {
-        auto loop = simulation::render_loop(rig.cameras, room, progress, stop);
+        auto loop = simulation::render_loop(cameras, room, progress, stop);
         if (!loop) return tl::unexpected(loop.error());
         source->loop_ = std::move(*loop);
         return source;
     }
-    auto cached = simulation::load_or_render_loop(rig.cameras, room, cache, progress, stop);
+    auto cached = simulation::load_or_render_loop(cameras, room, cache, progress, stop);
     if (!cached) return tl::unexpected(cached.error());
     source->loop_ = std::move(cached->loop);
     source->cache_written_ = cached->written;
@@ -31,7 +38,8 @@ Expected<std::unique_ptr<SimulatedSource>> SimulatedSource::create(
 std::vector<Expected<void>> SimulatedSource::show_background(
     const std::vector<std::size_t>& cameras, const BackgroundSink& sink, std::stop_token stop) {
     const auto show = [&](std::size_t camera) -> Expected<void> {
-        for (const simulation::Picture& picture : loop_.empty_room[camera]) {
+        for (const simulation::Picture& picture :
+             loop_.empty_room[wrong_.rendered_index(camera, 0.0)]) {
             if (stop.stop_requested() || !sink(camera, simulation::view_of(picture))) break;
         }
         return {};
@@ -41,12 +49,20 @@ std::vector<Expected<void>> SimulatedSource::show_background(
 
 Expected<void> SimulatedSource::run(std::stop_token stop, const Sink& sink) {
     capture::Pace pace(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rig_.rate_hz)));
-    for (std::size_t instant = 0; pace.wait(stop); instant = (instant + 1) % loop_.frames.size()) {
+    const std::size_t num = loop_.frames.size();
+    std::optional<capture::Pace::Clock::time_point> begin;
+    for (std::size_t instant = 0; pace.wait(stop); instant = (instant + 1) % num) {
         simulation::copy_to_memory_if_wanted(loop_);
         const Timestamp now = pace.due_time();
+        if (!begin) begin = pace.due();
+        const double time_s = std::chrono::duration<double>(pace.due() - *begin).count();
         for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera) {
             counters_.count_received(camera);
-            sink({camera, now, loop_.frames[instant][camera], nullptr});
+            sink({camera,
+                  now,
+                  loop_.frames[wrong_.shown_instant(camera, instant, num)]
+                              [wrong_.rendered_index(camera, time_s)],
+                  nullptr});
         }
     }
     return {};

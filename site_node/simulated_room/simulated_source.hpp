@@ -1,6 +1,7 @@
 #pragma once
 
 #include "simulation/simulated_loop.hpp"
+#include "simulation/wrong_cameras.hpp"
 #include "site_node/capture/frame_source.hpp"
 
 #include <filesystem>
@@ -12,13 +13,15 @@ namespace atrium::simulated_room {
 /// keeps the renderer out of all measurements.
 class SimulatedSource final : public capture::FrameSource {
 public:
-    /// `room.rate_hz` is the rate of the source. An empty `cache` keeps nothing.
+    /// `room.rate_hz` is the rate of the source. An empty `cache` keeps nothing. The pictures are
+    /// those of the cameras that `wrong` has instead of the rig's.
     static Expected<std::unique_ptr<SimulatedSource>> create(
         const config::Rig& rig,
         const simulation::RoomOptions& room,
         const std::filesystem::path& cache,
         const simulation::LoopProgress& progress,
-        std::stop_token stop);
+        std::stop_token stop,
+        const simulation::WrongCameras& wrong = {});
 
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return false; }
@@ -37,10 +40,11 @@ public:
     const std::filesystem::path& cache_written() const { return cache_written_; }
 
 private:
-    explicit SimulatedSource(config::Rig rig);
+    SimulatedSource(config::Rig rig, const simulation::WrongCameras& wrong);
     config::Rig rig_;
+    simulation::WrongCameras wrong_;
     capture::DeliveryCounters counters_;
-    simulation::SimulatedLoop loop_;
+    simulation::SimulatedLoop loop_;  // of the cameras that are rendered
     std::string cache_problem_;
     std::filesystem::path cache_written_;
 };

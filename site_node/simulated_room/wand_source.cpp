@@ -19,10 +19,20 @@ image::RawImage grey_image(std::shared_ptr<const image::Plane> plane) {
     return raw;
 }
 
+config::Rig rendered_rig(config::Rig rig, const simulation::WrongCameras& wrong) {
+    rig.cameras = wrong.rendered(rig.cameras);
+    return rig;
+}
+
 }  // namespace
 
-WandSource::WandSource(config::Rig rig, const simulation::WandRoomOptions& options)
-    : rig_(std::move(rig)), counters_(rig_), room_(rig_, options) {}
+WandSource::WandSource(config::Rig rig,
+                       const simulation::WandRoomOptions& options,
+                       const simulation::WrongCameras& wrong)
+    : rig_(std::move(rig)),
+      wrong_(wrong),
+      counters_(rig_),
+      room_(rendered_rig(rig_, wrong), options) {}
 
 std::vector<Expected<void>> WandSource::show_background(const std::vector<std::size_t>& cameras,
                                                         const BackgroundSink& sink,
@@ -31,7 +41,7 @@ std::vector<Expected<void>> WandSource::show_background(const std::vector<std::s
         image::YuvImage buffer;
         for (std::uint64_t shot = 0; !stop.stop_requested(); ++shot) {
             const auto plane = std::make_shared<image::Plane>();
-            room_.render_empty(shot, camera, *plane);
+            room_.render_empty(shot, wrong_.rendered_index(camera, 0.0), *plane);
             if (!sink(camera, image::working_view(grey_image(plane), buffer))) break;
         }
         return {};
@@ -52,7 +62,9 @@ Expected<void> WandSource::run(std::stop_token stop, const Sink& sink) {
                 continue;
             }
             auto plane = std::make_shared<image::Plane>();
-            room_.render(time_s, camera, *plane);
+            room_.render(time_s - wrong_.late_instants(camera) / rig_.rate_hz,
+                         wrong_.rendered_index(camera, time_s),
+                         *plane);
             counters_.count_received(camera);
             sink({camera, now, grey_image(std::move(plane)), nullptr});
         }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "simulation/wand_room.hpp"
+#include "simulation/wrong_cameras.hpp"
 #include "site_node/capture/frame_source.hpp"
 
 #include <vector>
@@ -11,7 +12,10 @@ namespace atrium::simulated_room {
 /// when it is due.
 class WandSource final : public capture::FrameSource {
 public:
-    WandSource(config::Rig rig, const simulation::WandRoomOptions& options);
+    /// The pictures are those of the cameras that `wrong` has instead of the rig's.
+    WandSource(config::Rig rig,
+               const simulation::WandRoomOptions& options,
+               const simulation::WrongCameras& wrong);
 
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return false; }
@@ -26,6 +30,7 @@ public:
 
 private:
     config::Rig rig_;
+    simulation::WrongCameras wrong_;
     capture::DeliveryCounters counters_;
     simulation::WandRoom room_;
 };

@@ -53,9 +53,7 @@ Expected<ShownPictures> load_pictures(const Plan& plan, std::stop_token stop) {
     if (!plan.config.recording.empty())
         return show_recording(plan.config.recording, plan.format, stop);
     const simulation::RoomConfig& room = plan.config.simulation;
-    if (room.shows == "wand")
-        return show_wand(plan.rig, simulation::wand_room_options(room), plan.format);
-    if (!room.model.empty()) {
+    if (room.shows == "person" && !room.model.empty()) {
         const auto model =
             simulation::examine_model(simulation::room_options(room, plan.rig.rate_hz));
         if (!model) return tl::unexpected(model.error());
@@ -69,12 +67,7 @@ Expected<ShownPictures> load_pictures(const Plan& plan, std::stop_token stop) {
         if (step != last_step) app::log::info("rendering the simulated room {} %", step * 5);
         last_step = step;
     };
-    return show_room(plan.rig,
-                     simulation::room_options(room, plan.rig.rate_hz),
-                     plan.format,
-                     room.cache,
-                     report,
-                     stop);
+    return show_room(plan.rig, room, plan.format, report, stop);
 }
 
 // What a private network hides.

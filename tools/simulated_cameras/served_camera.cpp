@@ -176,11 +176,8 @@ void ServedCamera::fill(ArvBuffer* buffer) {
 bool ServedCamera::copy_region(const ShowSchedule::Choice& choice,
                                ArvBuffer* buffer,
                                std::uint8_t* out) {
-    const auto& pictures = choice.is_empty_room ? state_.shown.empty : state_.shown.motion;
-    if (state_.shown.wand != nullptr)
-        wand_picture_ = wand_picture(state_.shown, index_, choice.index);
-    const std::vector<std::uint8_t>& picture =
-        state_.shown.wand != nullptr ? wand_picture_ : pictures[index_][choice.index];
+    const std::span<const std::uint8_t> picture =
+        picture_of(state_.shown, index_, choice, rendered_picture_);
     const geometry::PinholeCamera& sensor = state_.shown.rig.cameras[index_].intrinsics;
     int x = 0;
     int y = 0;

@@ -69,8 +69,8 @@ private:
     ArvGvFakeCamera* device_ = nullptr;
     ArvFakeCamera* registers_ = nullptr;  // of the device
     std::atomic<std::uint64_t> num_sent_{0};
-    GreyNotice grey_;                         // of the camera's thread
-    std::vector<std::uint8_t> wand_picture_;  // likewise
+    GreyNotice grey_;                             // of the camera's thread
+    std::vector<std::uint8_t> rendered_picture_;  // likewise
     std::mutex mutex_;
     std::condition_variable wake_;
     bool is_leaving_ = false;

@@ -16,62 +16,76 @@ tl::unexpected<Error> stopped() {
     return make_error(ErrorKind::kUnavailable, "simulated cameras: loading was stopped");
 }
 
+std::vector<std::uint8_t> wand_picture(const ShownPictures& shown,
+                                       std::size_t rendered,
+                                       double time_s) {
+    image::YuvImage picture;
+    shown.wand->render(time_s, rendered, picture.y);
+    // grey light: every filter of a mosaic passes the same
+    if (shown.format != image::PixelFormat::kRgb) return std::move(picture.y.data);
+    picture.u = image::Plane(picture.y.width / 2, picture.y.height / 2, 128);
+    picture.v = picture.u;
+    return sense(picture, shown.format);
+}
+
 }  // namespace
 
 Expected<ShownPictures> show_room(const config::Rig& rig,
-                                  const simulation::RoomOptions& room,
+                                  const simulation::RoomConfig& config,
                                   image::PixelFormat format,
-                                  const std::filesystem::path& cache,
                                   const simulation::LoopProgress& progress,
                                   std::stop_token stop) {
+    const auto wrong = simulation::WrongCameras::create(config, rig.cameras);
+    if (!wrong) return tl::unexpected(wrong.error());
+    config::Rig rendered = rig;
+    rendered.cameras = wrong->rendered(rig.cameras);
+    const std::vector<std::vector<std::vector<std::uint8_t>>> none(rendered.cameras.size());
+    ShownPictures shown{
+        .rig = rig, .format = format, .empty = none, .motion = none, .wand = {}, .wrong = *wrong};
+    if (config.shows == "wand") {
+        shown.wand =
+            std::make_shared<simulation::WandRoom>(rendered, simulation::wand_room_options(config));
+        return shown;
+    }
+    const simulation::RoomOptions room = simulation::room_options(config, rig.rate_hz);
     simulation::SimulatedLoop loop;
-    if (cache.empty()) {
-        auto rendered = simulation::render_loop(rig.cameras, room, progress, stop);
-        if (!rendered) return tl::unexpected(rendered.error());
-        loop = std::move(*rendered);
+    if (config.cache.empty()) {
+        auto made = simulation::render_loop(rendered.cameras, room, progress, stop);
+        if (!made) return tl::unexpected(made.error());
+        loop = std::move(*made);
     } else {
-        auto cached = simulation::load_or_render_loop(rig.cameras, room, cache, progress, stop);
+        auto cached =
+            simulation::load_or_render_loop(rendered.cameras, room, config.cache, progress, stop);
         if (!cached) return tl::unexpected(cached.error());
         loop = std::move(cached->loop);
     }
-    ShownPictures shown{.rig = rig, .format = format, .empty = {}, .motion = {}, .wand = {}};
-    shown.rig.rate_hz = room.rate_hz;
-    shown.empty.resize(rig.cameras.size());
-    shown.motion.resize(rig.cameras.size());
-    for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
+    for (std::size_t camera = 0; camera < rendered.cameras.size(); ++camera) {
         for (const simulation::Picture& picture : loop.empty_room[camera])
             shown.empty[camera].push_back(sense(simulation::view_of(picture), format));
         loop.empty_room[camera].clear();  // pictures are large: one form at a time
     }
     for (std::vector<simulation::Picture>& instant : loop.frames) {
-        for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera)
+        for (std::size_t camera = 0; camera < rendered.cameras.size(); ++camera)
             shown.motion[camera].push_back(sense(simulation::view_of(instant[camera]), format));
         instant.clear();
     }
     return shown;
 }
 
-ShownPictures show_wand(const config::Rig& rig,
-                        const simulation::WandRoomOptions& options,
-                        image::PixelFormat format) {
-    const std::vector<std::vector<std::vector<std::uint8_t>>> none(rig.cameras.size());
-    return {.rig = rig,
-            .format = format,
-            .empty = none,
-            .motion = none,
-            .wand = std::make_shared<simulation::WandRoom>(rig, options)};
-}
-
-std::vector<std::uint8_t> wand_picture(const ShownPictures& shown,
-                                       std::size_t camera,
-                                       std::size_t index) {
-    image::YuvImage picture;
-    shown.wand->render(static_cast<double>(index) / shown.rig.rate_hz, camera, picture.y);
-    // grey light: every filter of a mosaic passes the same
-    if (shown.format != image::PixelFormat::kRgb) return std::move(picture.y.data);
-    picture.u = image::Plane(picture.y.width / 2, picture.y.height / 2, 128);
-    picture.v = picture.u;
-    return sense(picture, shown.format);
+std::span<const std::uint8_t> picture_of(const ShownPictures& shown,
+                                         std::size_t camera,
+                                         const ShowSchedule::Choice& choice,
+                                         std::vector<std::uint8_t>& memory) {
+    const std::size_t rendered = shown.wrong.rendered_index(camera, choice.time_s);
+    if (shown.wand != nullptr) {
+        const double instant =
+            static_cast<double>(choice.index) - shown.wrong.late_instants(camera);
+        memory = wand_picture(shown, rendered, instant / shown.rig.rate_hz);
+        return memory;
+    }
+    if (choice.is_empty_room) return shown.empty[rendered][choice.index];
+    const auto& motion = shown.motion[rendered];
+    return motion[shown.wrong.shown_instant(camera, choice.index, motion.size())];
 }
 
 Expected<ShownPictures> show_recording(const std::filesystem::path& folder,
@@ -130,8 +144,11 @@ ShowSchedule::ShowSchedule(std::size_t num_empty,
 
 ShowSchedule::Choice ShowSchedule::at(std::int64_t time_us) {
     std::int64_t since_us = 0;
+    double time_s = 0.0;
     {
         const std::lock_guard lock(mutex_);
+        if (!begin_us_) begin_us_ = time_us;
+        time_s = 1e-6 * static_cast<double>(time_us - *begin_us_);
         if (!empty_from_us_) empty_from_us_ = time_us;
         since_us = time_us - *empty_from_us_;
     }
@@ -141,8 +158,8 @@ ShowSchedule::Choice ShowSchedule::at(std::int64_t time_us) {
     const auto frames_after = [&](std::int64_t us) {
         return static_cast<std::size_t>(std::lround(static_cast<double>(us) * 1e-6 * rate_hz_));
     };
-    if (since_us < empty_time_.count()) return {true, frames_after(since_us) % num_empty_};
-    return {false, frames_after(since_us - empty_time_.count()) % num_instants_};
+    if (since_us < empty_time_.count()) return {true, frames_after(since_us) % num_empty_, time_s};
+    return {false, frames_after(since_us - empty_time_.count()) % num_instants_, time_s};
 }
 
 void ShowSchedule::empty_room(std::int64_t time_us) {

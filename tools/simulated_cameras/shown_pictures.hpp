@@ -3,8 +3,10 @@
 #include "core/base/expected.hpp"
 #include "core/config/rig.hpp"
 #include "core/image/raw_image.hpp"
+#include "simulation/room_config.hpp"
 #include "simulation/simulated_loop.hpp"
 #include "simulation/wand_room.hpp"
+#include "simulation/wrong_cameras.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -20,14 +22,16 @@
 namespace atrium::simulated_cameras {
 
 /// Pictures of all cameras of a rig as sensor bytes: some of the empty room, then a repeating
-/// motion. With a `wand` there are none: its pictures are rendered when they are due.
+/// motion. With a `wand` there are none: its pictures are rendered when they are due. `wrong` says
+/// which of the rendered cameras each camera of the rig shows.
 struct ShownPictures {
     config::Rig rig;
     image::PixelFormat format = image::PixelFormat::kBayerRG;
-    std::vector<std::vector<std::vector<std::uint8_t>>> empty;   // [camera][shot]
-    std::vector<std::vector<std::vector<std::uint8_t>>> motion;  // [camera][instant]
+    std::vector<std::vector<std::vector<std::uint8_t>>> empty;   // [rendered][shot]
+    std::vector<std::vector<std::vector<std::uint8_t>>> motion;  // [rendered][instant]
 
     std::shared_ptr<const simulation::WandRoom> wand;  // null: no wand
+    simulation::WrongCameras wrong{};
 
     std::size_t num_instants() const {
         return wand == nullptr ? motion.front().size() : kWandInstants;
@@ -35,24 +39,13 @@ struct ShownPictures {
     static constexpr std::size_t kWandInstants = 1'000'000;  // then the sweep starts again
 };
 
-/// Renders a simulated room or loads it from `cache` (empty: no cache). `room.rate_hz` is the rate
-/// of the motion. Errors as in `simulation::load_or_render_loop`.
+/// Renders a simulated room, or loads it from its cache, at the rate of `rig`. One that shows a
+/// wand is rendered later. Errors as in `simulation::load_or_render_loop`, and of `WrongCameras`.
 Expected<ShownPictures> show_room(const config::Rig& rig,
-                                  const simulation::RoomOptions& room,
+                                  const simulation::RoomConfig& config,
                                   image::PixelFormat format,
-                                  const std::filesystem::path& cache,
                                   const simulation::LoopProgress& progress,
                                   std::stop_token stop);
-
-/// A dark room in which a wand is swept at the rate of `rig`.
-ShownPictures show_wand(const config::Rig& rig,
-                        const simulation::WandRoomOptions& options,
-                        image::PixelFormat format);
-
-/// Renders instant `index` of the wand for one camera. `shown.wand` must not be null.
-std::vector<std::uint8_t> wand_picture(const ShownPictures& shown,
-                                       std::size_t camera,
-                                       std::size_t index);
 
 /// Reads a whole recording (docs/conventions.md), with at most `kMaxShownBytes` of pictures.
 /// Without background pictures there is no empty room, and the motion starts at once.
@@ -74,6 +67,7 @@ public:
     struct Choice {
         bool is_empty_room = false;
         std::size_t index = 0;  // of the shot or of the instant
+        double time_s = 0.0;    // since the first trigger
     };
     /// `time_us` is the time of the trigger, in microseconds of a common clock.
     Choice at(std::int64_t time_us);
@@ -87,8 +81,14 @@ private:
     const double rate_hz_;
     const std::chrono::microseconds empty_time_;
     std::mutex mutex_;
-    std::optional<std::int64_t> empty_from_us_;
+    std::optional<std::int64_t> begin_us_, empty_from_us_;
 };
+
+/// What one camera shows: in `memory` if it had to be rendered now.
+std::span<const std::uint8_t> picture_of(const ShownPictures& shown,
+                                         std::size_t camera,
+                                         const ShowSchedule::Choice& choice,
+                                         std::vector<std::uint8_t>& memory);
 
 /// Numbers the triggers of all cameras. Thread-safe.
 ///
