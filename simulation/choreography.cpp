@@ -6,6 +6,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace atrium::simulation {
@@ -13,10 +14,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::array<std::pair<std::string_view, Motion>, 12> kMotions = {
+constexpr std::array<std::pair<std::string_view, Motion>, 13> kMotions = {
     {{"wave", Motion::kWave},
      {"push", Motion::kPush},
      {"walk", Motion::kWalk},
+     {"stroll", Motion::kStroll},
      {"sway", Motion::kSway},
      {"raise", Motion::kRaise},
      {"table_hands", Motion::kTableHands},
@@ -84,6 +86,39 @@ BodyPose walk(const Phase& phase) {
     };
     arm(pose.right_arm, -swing);
     arm(pose.left_arm, swing);
+    return pose;
+}
+
+BodyPose stroll(const Phase& phase) {
+    constexpr int kSteps = 3;  // per foot and loop
+    constexpr double kRadiusM = 0.45;
+    constexpr double kReachM = std::numbers::pi * kRadiusM / (2 * kSteps);  // of a foot, each way
+    BodyPose pose;
+    const auto step = [&](LegPose& leg, double offset) {
+        const double turns = kSteps * phase.value + offset;
+        const double t = turns - std::floor(turns);
+        // on the floor, then through the air
+        const double swing = Phase{t}.rise(0.5, 1.0);
+        const double lift = 4.0 * swing * (1.0 - swing);
+        leg.ankle.y() += t < 0.5 ? kReachM * (1.0 - 4.0 * t) : kReachM * (2.0 * swing - 1.0);
+        leg.ankle.z() += 0.10 * lift;
+        leg.toe_down_rad = 0.3 * lift;
+    };
+    step(pose.right_leg, 0.0);
+    step(pose.left_leg, 0.5);
+    const double ahead = phase.sine(kSteps, 0.25);  // of the right foot
+    pose.shift += Vector3d(0.0, 0.0, -0.035 - 0.015 * std::abs(ahead));
+    pose.pelvis_turn = {0.0, 0.0, 0.08 * ahead};
+    pose.chest_turn = {-0.04, 0.0, -0.18 * ahead};
+    pose.head_turn = {0.02, 0.0, 0.10 * ahead};
+    const auto arm = [](ArmPose& a, double forwards) {
+        a.wrist = {0.27, 0.03 + 0.20 * forwards, 0.92 + 0.08 * forwards * forwards};
+        a.fingers = {0.0, 0.3 + 0.5 * forwards, -1.0};
+    };
+    arm(pose.right_arm, -ahead);
+    arm(pose.left_arm, ahead);
+    pose.facing_rad = 2.0 * std::numbers::pi * phase.value;
+    pose.place = kRadiusM * Vector3d(std::cos(pose.facing_rad), std::sin(pose.facing_rad), 0.0);
     return pose;
 }
 
@@ -166,6 +201,8 @@ BodyPose posture(Motion motion, double phase_value) {
             return push(phase);
         case Motion::kWalk:
             return walk(phase);
+        case Motion::kStroll:
+            return stroll(phase);
         case Motion::kSway:
             return sway(phase);
         case Motion::kRaise:

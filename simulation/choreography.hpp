@@ -15,6 +15,7 @@ enum class Motion : std::uint8_t {
     kWave,        // greets with the right hand
     kPush,        // thrusts the right palm forwards at chest height and draws it back
     kWalk,        // walks on the spot
+    kStroll,      // walks in a circle through the room
     kSway,        // stands and shifts the weight
     kRaise,       // lifts both arms overhead and lowers them
     kTableHands,  // stands before a table and reaches over its top with both hands

@@ -144,6 +144,8 @@ BoneTransforms pose_bones(const BodyPose& pose) {
     };
     set_side(false);
     set_side(true);
+    const RigidTransform placed_from_body{rotation({0.0, 0.0, pose.facing_rad}), pose.place};
+    for (RigidTransform& each : bones) each = placed_from_body * each;
     return bones;
 }
 

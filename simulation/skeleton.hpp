@@ -71,9 +71,11 @@ struct BodyPose {
     Eigen::Vector3d head_turn = Eigen::Vector3d::Zero();   // relative to the chest
     ArmPose right_arm, left_arm;
     LegPose right_leg, left_leg;
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();  // of all of this, on the floor
+    double facing_rad = 0.0;                          // turns all of it left about its origin
 };
 
-/// `posed_from_rest` of each bone.
+/// `posed_from_rest` of each bone, with place and facing.
 using BoneTransforms = std::array<geometry::RigidTransform, kNumBones>;
 
 BoneTransforms pose_bones(const BodyPose& pose);
