@@ -7,6 +7,9 @@ namespace atrium::simulated_cameras {
 void declare(SimulatedCamerasConfig& config, config::OptionSet& set) {
     set.add("rig", config.rig, "rig.toml with the cameras of the simulated room");
     set.add("recording", config.recording, "folder of a recording to serve instead");
+    set.add("write_recording",
+            config.write_recording,
+            "new folder; instead of serving what the cameras show, write it there as a recording");
     set.add("rate_hz",
             config.rate_hz,
             "pictures per second until a client sets another rate [Hz]; 0: the rig's",
@@ -21,7 +24,9 @@ void declare(SimulatedCamerasConfig& config, config::OptionSet& set) {
             {0, 1e6});
     set.add("seconds",
             config.seconds,
-            "how long to serve [s]; 0: until the command ends or Ctrl-C",
+            "how long to serve [s]; 0: until the command ends or Ctrl-C; of a recording that is "
+            "written: "
+            "0 is 30 s",
             {0, 1e9});
     set.add("stamp",
             config.stamp,
@@ -55,6 +60,11 @@ Expected<void> check(const SimulatedCamerasConfig& config) {
     if (!config.rig.empty() && !config.recording.empty()) {
         return make_error(ErrorKind::kConfiguration,
                           "rig, recording: only one may be set; a recording has its own rig");
+    }
+    if (!config.recording.empty() && !config.write_recording.empty()) {
+        return make_error(ErrorKind::kConfiguration,
+                          "write_recording: writes what a simulated room shows: give --rig instead "
+                          "of --recording");
     }
     return {};
 }

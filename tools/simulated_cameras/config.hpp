@@ -10,9 +10,10 @@
 namespace atrium::simulated_cameras {
 
 struct SimulatedCamerasConfig {
-    std::filesystem::path rig;        // for a simulated room
-    std::filesystem::path recording;  // folder, instead of a rig
-    double rate_hz = 0.0;             // 0: the rig's
+    std::filesystem::path rig;              // for a simulated room
+    std::filesystem::path recording;        // folder, instead of a rig
+    std::filesystem::path write_recording;  // folder; empty: serve
+    double rate_hz = 0.0;                   // 0: the rig's
     std::string pixel_format = "BayerRG8";
     double empty_seconds = 5.0;
     double seconds = 0.0;  // 0: until the command ends or Ctrl-C

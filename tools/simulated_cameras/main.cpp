@@ -22,6 +22,8 @@ int main(int argc, char** argv) {
         "Serves a simulated room, or a recording, as GigE Vision cameras in a private network, and "
         "runs a command there:\nsimulated_cameras [OPTIONS] -- COMMAND [ARGUMENTS]",
         "  simulated_cameras --rig deploy/rigs/full_body_1mp.toml --list\n"
+        "  simulated_cameras --rig deploy/rigs/full_body.toml --simulation.motion stroll "
+        "--write_recording walk\n"
         "  simulated_cameras --rig deploy/rigs/full_body_1mp.toml --empty_seconds 15 -- "
         "build/bin/site_node --config deploy/sites/simulated_cameras.toml",
         {},
@@ -33,6 +35,11 @@ int main(int argc, char** argv) {
     if (config.list) {
         simulated_cameras::print(*plan);
         return 0;
+    }
+    if (!config.write_recording.empty()) {
+        const app::StopOnSignal stop;
+        const auto written = simulated_cameras::write(*plan, stop.token());
+        return written ? 0 : app::fail(written.error());
     }
     // namespaces and signals: while there is one thread
     if (auto entered = simulated_cameras::enter_network(*plan); !entered)

@@ -2,15 +2,18 @@
 
 #include "core/app/log.hpp"
 #include "core/app/private_network.hpp"
+#include "core/base/thread_pool.hpp"
 #include "simulation/model.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
 #include "tools/simulated_cameras/camera_server.hpp"
 #include "tools/simulated_cameras/command.hpp"
 #include "tools/simulated_cameras/sensor.hpp"
+#include "tools/simulated_cameras/write_recording.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstdio>
 #include <mutex>
@@ -97,6 +100,10 @@ std::jthread time_limit(double seconds, std::stop_source& stop) {
 
 Expected<Plan> make_plan(const SimulatedCamerasConfig& config, std::vector<std::string> command) {
     if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
+    if (!config.write_recording.empty() && !command.empty())
+        return make_error(ErrorKind::kConfiguration,
+                          "write_recording: serves no cameras, so it runs no command: leave out "
+                          "what is after --");
     Plan plan{
         .config = config, .rig = {}, .format = {}, .faults = {}, .command = std::move(command)};
     auto rig = config::load_rig(config.recording.empty() ? config.rig : config.recording);
@@ -107,7 +114,7 @@ Expected<Plan> make_plan(const SimulatedCamerasConfig& config, std::vector<std::
     warn_about(plan.rig, config.recording.empty() ? config.rig : config.recording / "rig.toml");
     auto format = find_pixel_format(config.pixel_format);
     if (!format) return tl::unexpected(format.error());
-    plan.format = *format;
+    plan.format = config.write_recording.empty() ? *format : image::PixelFormat::kRgb;
     auto faults = parse_faults(config.faults, plan.rig);
     if (!faults) return tl::unexpected(faults.error());
     plan.faults = std::move(*faults);
@@ -133,6 +140,31 @@ void print(const Plan& plan) {
                    plan.config.pixel_format,
                    plan.rig.rate_hz);
     }
+}
+
+Expected<void> write(const Plan& plan, std::stop_token stop) {
+    constexpr double kSeconds = 30.0;
+    const SimulatedCamerasConfig& config = plan.config;
+    // before the slow rendering
+    if (auto usable = check_recording_folder(config.write_recording); !usable) return usable;
+    auto shown = load_pictures(plan, stop);
+    if (!shown) return tl::unexpected(shown.error());
+    std::size_t last_step = 0;
+    const auto report = [&](std::size_t done, std::size_t total) {
+        const std::size_t step = done * 10 / total;
+        if (step != last_step) app::log::info("writing the recording {} %", step * 10);
+        last_step = step;
+    };
+    ThreadPool pool(std::max(1U, std::thread::hardware_concurrency()));
+    const auto written = write_recording(*shown,
+                                         config.rig,
+                                         config.seconds > 0.0 ? config.seconds : kSeconds,
+                                         config.write_recording,
+                                         pool,
+                                         report,
+                                         stop);
+    if (written) app::log::info("wrote recording={}", config.write_recording.string());
+    return written;
 }
 
 Expected<void> enter_network(const Plan& plan) {

@@ -26,6 +26,9 @@ void print(const Plan& plan);
 /// Creates and enters the private network of the cameras. Call it before any thread starts.
 Expected<void> enter_network(const Plan& plan);
 
+/// Writes the recording that `config.write_recording` asks for.
+Expected<void> write(const Plan& plan, std::stop_token stop);
+
 /// Loads and serves the pictures and runs the command. Returns its exit code, 0 without a command.
 Expected<int> run(const Plan& plan, std::stop_token stop);
 
