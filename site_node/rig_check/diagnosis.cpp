@@ -216,6 +216,28 @@ private:
         }
     }
 
+    // Of a camera that hangs upside down, for example: whoever plays its videos turns them.
+    std::optional<Diagnosis> turned_pictures(std::size_t camera) const {
+        Views views = views_;
+        const geometry::PinholeCamera& lens = views[camera].intrinsics;
+        const Eigen::Vector2d last_px(lens.width - 1, lens.height - 1);
+        for (auto& contour : views[camera].contours)
+            for (Eigen::Vector2d& pixel : contour)
+                pixel = lens.undistort(last_px - lens.distort(pixel)).value_or(pixel);
+        const double share = share_of(views);
+        if (!convinces(share)) return std::nullopt;
+        return Diagnosis{
+            Cause::kTurned,
+            fmt::format("{} contradicts all others, but not if its pictures are turned by 180 "
+                        "degrees: give them as the camera took them when it was calibrated, also "
+                        "if that is upside down (ffmpeg -i FILE -vf hflip,vflip OUT), or "
+                        "calibrate it as it hangs now",
+                        names_[camera]),
+            share_,
+            share,
+            {names_[camera]}};
+    }
+
     std::optional<Diagnosis> one_camera() const {
         if (views_.size() < 4) return std::nullopt;
         double best_share = 0.0;
@@ -230,6 +252,7 @@ private:
             }
         }
         if (!convinces(best_share)) return std::nullopt;
+        if (auto turned = turned_pictures(best)) return turned;
         return Diagnosis{
             Cause::kOneCamera,
             fmt::format(

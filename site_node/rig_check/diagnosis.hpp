@@ -18,7 +18,8 @@ enum class Cause : std::uint8_t {
     kSwapped,      // the pictures or the extrinsics of cameras are exchanged
     kFocal,        // focal lengths or picture sizes are scaled
     kUndistorted,  // the pictures were undistorted before, the rig has the original lenses
-    kOneCamera,    // one camera contradicts all others
+    kTurned,       // the pictures of one camera are turned by 180 degrees
+    kOneCamera,    // one camera contradicts all others otherwise
     kUnknown,
 };
 
@@ -47,7 +48,7 @@ bool distort_much(std::span<const views::NamedView> views);
 
 /// Finds why silhouettes of one instant do not fit together: tries what people get wrong (inverted
 /// extrinsics, OpenGL's axes, exchanged cameras, scaled intrinsics, pictures without distortion,
-/// one camera that moved), and names what explains the silhouettes so much better that chance is
+/// one camera whose pictures were turned or that moved), and names what explains the silhouettes so much better that chance is
 /// out of the question. nullopt if the silhouettes fit. Silhouettes of one instant may mislead:
 /// trust what several instants say.
 ///

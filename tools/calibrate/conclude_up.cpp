@@ -69,7 +69,8 @@ void name_turned(UpConclusion& result, const UpChoice& found, VotedCameras camer
     const auto name = [&](const std::vector<std::size_t>& which,
                           const char* one,
                           const char* several,
-                          int turn_deg) {
+                          int turn_deg,
+                          const char* cure) {
         if (which.empty()) return;
         const bool is_one = which.size() == 1;
         result.told.push_back(fmt::format("up: {} {} {}: {} pictures are turned by {} degrees",
@@ -77,10 +78,16 @@ void name_turned(UpConclusion& result, const UpChoice& found, VotedCameras camer
                                           names_text(cameras, which),
                                           is_one ? one : several,
                                           is_one ? "its" : "their",
-                                          turn_deg));
+                                          turn_deg) +
+                              cure);
     };
-    name(found.on_side, "stands on its side", "stand on their side", 90);
-    name(found.upside_down, "hangs upside down", "hang upside down", 180);
+    name(found.on_side, "stands on its side", "stand on their side", 90, "");
+    name(found.upside_down,
+         "hangs upside down",
+         "hang upside down",
+         180,
+         "; if they show the room upright, turn them back (videos: ffmpeg -i FILE -vf hflip,vflip "
+         "OUT)");
 }
 
 // "--up +Z, along which 5 of 8 cameras are level and 3 stand on their side"

@@ -133,12 +133,14 @@ TEST(TurnedCamerasTold, AreNamedAndTheSaidUpIsNoProblem) {
         const UpConclusion result = conclude_up(foreign, cameras, said);
         EXPECT_THAT(result.problems, IsEmpty()) << said;
         EXPECT_THAT(result.checks, IsEmpty()) << said;
-        EXPECT_THAT(result.told,
-                    AllOf(Contains(HasSubstr("up: +Z, as ")),
-                          Contains("up: camera 'cam3' stands on its side: its pictures are turned "
-                                   "by 90 degrees"),
-                          Contains("up: camera 'cam6' hangs upside down: its pictures are turned "
-                                   "by 180 degrees")));
+        EXPECT_THAT(
+            result.told,
+            AllOf(Contains(HasSubstr("up: +Z, as ")),
+                  Contains("up: camera 'cam3' stands on its side: its pictures are turned "
+                           "by 90 degrees"),
+                  Contains(HasSubstr("up: camera 'cam6' hangs upside down: its pictures are "
+                                     "turned by 180 degrees; if they show the room "
+                                     "upright, turn them back"))));
     }
     EXPECT_THAT(conclude_up({}, cameras, "+X").problems, Contains(HasSubstr("say --up +Z")));
 }

@@ -131,6 +131,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"tools/calibrate/sweep/",
      {"core/base/",
       "core/config/",
+      "core/geometry/",
       "core/image/",
       "simulation/room_config.hpp",
       "site_node/capture/",

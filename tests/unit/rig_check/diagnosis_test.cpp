@@ -161,6 +161,20 @@ TEST(Diagnosis, FindsTwoSwappedCameras) {
     EXPECT_GE(named_right, of_seeds(8));
 }
 
+TEST(Diagnosis, FindsPicturesOfOneCameraThatWereTurned) {
+    const Score score = score_of(Cause::kTurned, [](Random& random, auto& views) {
+        auto& turned = views[static_cast<std::size_t>(
+                                 test::between(random, 0, static_cast<int>(views.size()) - 1))]
+                           .view;
+        const geometry::PinholeCamera& lens = turned.intrinsics;
+        for (auto& contour : turned.contours)
+            for (Eigen::Vector2d& pixel : contour)
+                pixel = Eigen::Vector2d(lens.width - 1, lens.height - 1) - pixel;
+    });
+    EXPECT_GE(score.right, of_seeds(6));
+    EXPECT_EQ(score.wrong, 0);
+}
+
 TEST(Diagnosis, FindsTheOneCameraThatMoved) {
     const Score score = score_of(Cause::kOneCamera, [](Random& random, auto& views) {
         auto& moved = views[static_cast<std::size_t>(
