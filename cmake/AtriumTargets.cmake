@@ -86,6 +86,9 @@ function(_atrium_options target)
                 $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-sanitize=alignment,null,object-size,pointer-overflow,vptr>)
         endif()
         target_link_options(${target} PUBLIC -fsanitize=${ATRIUM_SANITIZE})
+        # Eigen allocates in another way under the address sanitizer, but Debian's Ceres, linked statically, has Eigen's functions of the
+        # usual way, and the linker takes one of both.
+        target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1)
     endif()
 endfunction()
 
