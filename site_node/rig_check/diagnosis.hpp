@@ -48,13 +48,12 @@ bool distort_much(std::span<const views::NamedView> views);
 
 /// Finds why silhouettes of one instant do not fit together: tries what people get wrong (inverted
 /// extrinsics, OpenGL's axes, exchanged cameras, scaled intrinsics, pictures without distortion,
-/// one camera whose pictures were turned or that moved), and names what explains the silhouettes so much better that chance is
-/// out of the question. nullopt if the silhouettes fit. Silhouettes of one instant may mislead:
-/// trust what several instants say.
+/// one camera whose pictures were turned or that moved), and names what explains the silhouettes
+/// so much better that chance is out of the question. nullopt if the silhouettes fit. Silhouettes
+/// of one instant may mislead: trust what several instants say.
 ///
 /// Takes one measurement per hypothesis: some tenths of a second for 8 cameras, up to two seconds
-/// for
-/// 24. `go_on` may stop it.
+/// for 24. `go_on` may stop it.
 std::optional<Diagnosis> diagnose(std::span<const views::NamedView> views,
                                   const AgreementOptions& options,
                                   const std::function<bool()>& go_on = {});
