@@ -10,9 +10,14 @@ namespace atrium::simulation {
 void declare(RoomConfig& room, config::OptionSet& set) {
     set.add("simulation.shows",
             room.shows,
-            "what the simulated room shows: a person, or a dark room in which the default wand of "
-            "`calibrate wand` is swept",
-            {"person", "wand"});
+            "what the simulated room shows: a person, a dark room in which the default wand of "
+            "`calibrate wand` is swept, or the board of `calibrate print-board` that is carried "
+            "around",
+            {"person", "wand", "board"});
+    set.add("simulation.board_square_mm",
+            room.board_square_mm,
+            "board: side of a square [mm]; 160 as on `--paper a0`",
+            {5, 1000});
     set.add("simulation.exposure_ms",
             room.exposure_ms,
             "wand: exposure, in which its lights move [ms]",

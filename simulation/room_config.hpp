@@ -12,9 +12,10 @@ namespace atrium::simulation {
 
 /// Options `simulation.*` of programs with a simulated room.
 struct RoomConfig {
-    std::string shows = "person";  // or "wand": a dark room for `calibrate wand`
-    double exposure_ms = 2.0;      // of the wand
-    double lost_percent = 0.0;     // of the wand's pictures
+    std::string shows = "person";  // or "wand", "board": rooms for `calibrate`
+    double board_square_mm = 160.0;
+    double exposure_ms = 2.0;   // of the wand
+    double lost_percent = 0.0;  // of the wand's pictures
     std::string look = "ada";
     std::string motion = "walk";
     std::filesystem::path model;

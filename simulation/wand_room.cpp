@@ -1,5 +1,7 @@
 #include "simulation/wand_room.hpp"
 
+#include "simulation/hash.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -20,17 +22,6 @@ constexpr double kReach_sigmas = 4.5;  // how far a light is drawn
 constexpr double kStep_sigmas = 0.5;   // between the places of a light in motion
 constexpr int kMostSteps = 256;
 constexpr double kLongestSpan_m = 4.0;  // of the sweep, however large the bounds are
-
-std::uint64_t hash_of(std::uint64_t a, std::uint64_t b) {  // splitmix64 of both
-    std::uint64_t v = a * 0x9e3779b97f4a7c15ULL + b + 0x632be59bd9b4e019ULL;
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebULL;
-    return v ^ (v >> 31);
-}
-
-std::uint64_t microseconds(double time_s) {
-    return static_cast<std::uint64_t>(std::llround(time_s * 1e6));
-}
 
 // Adds amounts of light, which the sensor rounds and limits.
 class Canvas {

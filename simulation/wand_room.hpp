@@ -3,6 +3,7 @@
 #include "core/config/rig.hpp"
 #include "core/geometry/rigid_transform.hpp"
 #include "core/image/image.hpp"
+#include "simulation/rendered_room.hpp"
 #include "simulation/sensor_noise.hpp"
 
 #include <Eigen/Core>
@@ -22,23 +23,16 @@ struct WandRoomOptions {
 
 /// A dark room in which somebody sweeps a calibration wand: four lights on a line, at 0, 10, 30 and
 /// 60 cm. Lamps, their reflections and hot pixels are in the pictures, too, but no people.
-///
-/// The same options give the same pictures, in any order. Renders a picture in about a millisecond
-/// per megapixel, so that no loop has to be kept.
-class WandRoom {
+/// Renders a picture in about a millisecond per megapixel.
+class WandRoom final : public RenderedRoom {
 public:
     /// The wand moves within `rig.bounds_site`. Cameras of one name have the same lamps and hot
     /// pixels.
     WandRoom(const config::Rig& rig, const WandRoomOptions& options);
 
-    /// Draws the picture that camera `camera` exposes around `time_s`; of even size. Thread-safe.
-    void render(double time_s, std::size_t camera, image::Plane& out) const;
-
-    /// Draws the room without the wand; `shot` distinguishes the noise of several pictures.
-    void render_empty(std::uint64_t shot, std::size_t camera, image::Plane& out) const;
-
-    /// Returns true if this picture is lost, by chance.
-    bool is_lost(double time_s, std::size_t camera) const;
+    void render(double time_s, std::size_t camera, image::Plane& out) const override;
+    void render_empty(std::uint64_t shot, std::size_t camera, image::Plane& out) const override;
+    bool is_lost(double time_s, std::size_t camera) const override;
 
     /// Where the lights are in the middle of the exposure, in the picture of a camera, distorted;
     /// nullopt for those outside of it.

@@ -3,11 +3,12 @@
 #include "core/app/log.hpp"
 #include "simulation/model.hpp"
 #include "simulation/wrong_cameras.hpp"
+#include "site_node/simulated_room/rendered_source.hpp"
 #include "site_node/simulated_room/simulated_source.hpp"
-#include "site_node/simulated_room/wand_source.hpp"
 
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 namespace atrium::simulated_room {
 
@@ -16,8 +17,10 @@ Expected<std::unique_ptr<capture::FrameSource>> open_room(const config::Rig& rig
                                                           std::stop_token stop) {
     const auto wrong = simulation::WrongCameras::create(config, rig.cameras);
     if (!wrong) return tl::unexpected(wrong.error());
-    if (config.shows == "wand")
-        return std::make_unique<WandSource>(rig, simulation::wand_room_options(config), *wrong);
+    config::Rig rendered = rig;
+    rendered.cameras = wrong->rendered(rig.cameras);
+    if (auto made = simulation::rendered_room(rendered, config))
+        return std::make_unique<RenderedSource>(rig, std::move(made), *wrong);
     const simulation::RoomOptions room = simulation::room_options(config, rig.rate_hz);
     if (!room.model.empty()) {
         // here, not while rendering: a loop from the cache has the same faults

@@ -16,11 +16,11 @@ tl::unexpected<Error> stopped() {
     return make_error(ErrorKind::kUnavailable, "simulated cameras: loading was stopped");
 }
 
-std::vector<std::uint8_t> wand_picture(const ShownPictures& shown,
-                                       std::size_t rendered,
-                                       double time_s) {
+std::vector<std::uint8_t> rendered_picture(const ShownPictures& shown,
+                                           std::size_t rendered,
+                                           double time_s) {
     image::YuvImage picture;
-    shown.wand->render(time_s, rendered, picture.y);
+    shown.rendered->render(time_s, rendered, picture.y);
     // grey light: every filter of a mosaic passes the same
     if (shown.format != image::PixelFormat::kRgb) return std::move(picture.y.data);
     picture.u = image::Plane(picture.y.width / 2, picture.y.height / 2, 128);
@@ -40,13 +40,14 @@ Expected<ShownPictures> show_room(const config::Rig& rig,
     config::Rig rendered = rig;
     rendered.cameras = wrong->rendered(rig.cameras);
     const std::vector<std::vector<std::vector<std::uint8_t>>> none(rendered.cameras.size());
-    ShownPictures shown{
-        .rig = rig, .format = format, .empty = none, .motion = none, .wand = {}, .wrong = *wrong};
-    if (config.shows == "wand") {
-        shown.wand =
-            std::make_shared<simulation::WandRoom>(rendered, simulation::wand_room_options(config));
-        return shown;
-    }
+    ShownPictures shown{.rig = rig,
+                        .format = format,
+                        .empty = none,
+                        .motion = none,
+                        .rendered = {},
+                        .wrong = *wrong};
+    shown.rendered = simulation::rendered_room(rendered, config);
+    if (shown.rendered != nullptr) return shown;
     const simulation::RoomOptions room = simulation::room_options(config, rig.rate_hz);
     simulation::SimulatedLoop loop;
     if (config.cache.empty()) {
@@ -77,10 +78,10 @@ std::span<const std::uint8_t> picture_of(const ShownPictures& shown,
                                          const ShowSchedule::Choice& choice,
                                          std::vector<std::uint8_t>& memory) {
     const std::size_t rendered = shown.wrong.rendered_index(camera, choice.time_s);
-    if (shown.wand != nullptr) {
+    if (shown.rendered != nullptr) {
         const double instant =
             static_cast<double>(choice.index) - shown.wrong.late_instants(camera);
-        memory = wand_picture(shown, rendered, instant / shown.rig.rate_hz);
+        memory = rendered_picture(shown, rendered, instant / shown.rig.rate_hz);
         return memory;
     }
     if (choice.is_empty_room) return shown.empty[rendered][choice.index];
@@ -94,7 +95,7 @@ Expected<ShownPictures> show_recording(const std::filesystem::path& folder,
     auto source = capture::RecordingSource::open({folder, 0.0, false});
     if (!source) return tl::unexpected(source.error());
     const config::Rig& rig = (*source)->rig();
-    ShownPictures shown{.rig = rig, .format = format, .empty = {}, .motion = {}, .wand = {}};
+    ShownPictures shown{.rig = rig, .format = format, .empty = {}, .motion = {}, .rendered = {}};
     shown.empty.resize(rig.cameras.size());
     shown.motion.resize(rig.cameras.size());
     std::vector<std::size_t> all(rig.cameras.size());

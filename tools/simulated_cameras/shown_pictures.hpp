@@ -3,9 +3,9 @@
 #include "core/base/expected.hpp"
 #include "core/config/rig.hpp"
 #include "core/image/raw_image.hpp"
+#include "simulation/rendered_room.hpp"
 #include "simulation/room_config.hpp"
 #include "simulation/simulated_loop.hpp"
-#include "simulation/wand_room.hpp"
 #include "simulation/wrong_cameras.hpp"
 
 #include <chrono>
@@ -22,25 +22,26 @@
 namespace atrium::simulated_cameras {
 
 /// Pictures of all cameras of a rig as sensor bytes: some of the empty room, then a repeating
-/// motion. With a `wand` there are none: its pictures are rendered when they are due. `wrong` says
-/// which of the rendered cameras each camera of the rig shows.
+/// motion. With a `rendered` room there are none: its pictures are rendered when they are due.
+/// `wrong` says which of the rendered cameras each camera of the rig shows.
 struct ShownPictures {
     config::Rig rig;
     image::PixelFormat format = image::PixelFormat::kBayerRG;
     std::vector<std::vector<std::vector<std::uint8_t>>> empty;   // [rendered][shot]
     std::vector<std::vector<std::vector<std::uint8_t>>> motion;  // [rendered][instant]
 
-    std::shared_ptr<const simulation::WandRoom> wand;  // null: no wand
+    std::shared_ptr<const simulation::RenderedRoom> rendered;  // null: a person or a recording
     simulation::WrongCameras wrong{};
 
     std::size_t num_instants() const {
-        return wand == nullptr ? motion.front().size() : kWandInstants;
+        return rendered == nullptr ? motion.front().size() : kRenderedInstants;
     }
-    static constexpr std::size_t kWandInstants = 1'000'000;  // then the sweep starts again
+    static constexpr std::size_t kRenderedInstants = 1'000'000;  // then it starts again
 };
 
-/// Renders a simulated room, or loads it from its cache, at the rate of `rig`. One that shows a
-/// wand is rendered later. Errors as in `simulation::load_or_render_loop`, and of `WrongCameras`.
+/// Renders a simulated room, or loads it from its cache, at the rate of `rig`. A room for
+/// calibration is rendered later. Errors as in `simulation::load_or_render_loop`, and of
+/// `WrongCameras`.
 Expected<ShownPictures> show_room(const config::Rig& rig,
                                   const simulation::RoomConfig& config,
                                   image::PixelFormat format,

@@ -1,21 +1,21 @@
 #pragma once
 
-#include "simulation/wand_room.hpp"
+#include "simulation/rendered_room.hpp"
 #include "simulation/wrong_cameras.hpp"
 #include "site_node/capture/frame_source.hpp"
 
+#include <memory>
 #include <vector>
 
 namespace atrium::simulated_room {
 
-/// Shows a simulated sweep of a calibration wand in real time, without end. Renders each picture
-/// when it is due.
-class WandSource final : public capture::FrameSource {
+/// Shows a room for calibration in real time, without end. Renders each picture when it is due.
+class RenderedSource final : public capture::FrameSource {
 public:
-    /// The pictures are those of the cameras that `wrong` has instead of the rig's.
-    WandSource(config::Rig rig,
-               const simulation::WandRoomOptions& options,
-               const simulation::WrongCameras& wrong);
+    /// `room` has the cameras that `wrong` has instead of the rig's.
+    RenderedSource(config::Rig rig,
+                   std::unique_ptr<const simulation::RenderedRoom> room,
+                   const simulation::WrongCameras& wrong);
 
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return false; }
@@ -32,7 +32,7 @@ private:
     config::Rig rig_;
     simulation::WrongCameras wrong_;
     capture::DeliveryCounters counters_;
-    simulation::WandRoom room_;
+    std::unique_ptr<const simulation::RenderedRoom> room_;
 };
 
 }  // namespace atrium::simulated_room
