@@ -80,8 +80,8 @@ function(_atrium_options target)
         target_compile_options(${target} PRIVATE -fsanitize=${ATRIUM_SANITIZE} -fno-omit-frame-pointer
                                                  -fno-sanitize-recover=all)
         if(ATRIUM_SANITIZE MATCHES undefined)
-            # Checks at every access to memory: they double the time of g++ and of the tests, and the address sanitizer finds most of what
-            # they find. clang++, which builds the fuzzers, keeps them.
+            # Checks at every access to memory: they cost g++ much time, and the address sanitizer finds most of what they find. clang++,
+            # which builds the fuzzers, keeps them.
             target_compile_options(${target} PRIVATE
                 $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-sanitize=alignment,null,object-size,pointer-overflow,vptr>)
         endif()
