@@ -18,6 +18,12 @@ void print(const RigReport& report) {
     std::fflush(stdout);  // before an error that says "above"
 }
 
+std::string cure_of_problems(std::size_t num_problems) {
+    return fmt::format(
+        "solve {} above first, or give --force",
+        num_problems == 1 ? "the problem" : fmt::format("the {} problems", num_problems));
+}
+
 Expected<void> check_output(const fs::path& output, bool force) {
     const auto previous = find_previous_rig(output, {}, force);
     if (!previous) return tl::unexpected(previous.error());
@@ -29,15 +35,12 @@ Expected<std::string> write_rig(const RigReport& report,
                                 const fs::path& output,
                                 bool force) {
     const bool replaces = is_rig_file(output);
-    const std::size_t num_problems = report.problems.size();
-    if (num_problems > 0 && !force)
-        return make_error(
-            ErrorKind::kInvalidData,
-            fmt::format(
-                "{} {}: solve {} above first, or give --force",
-                output.string(),
-                replaces ? "stays as it was" : "not written",
-                num_problems == 1 ? "the problem" : fmt::format("the {} problems", num_problems)));
+    if (!report.problems.empty() && !force)
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("{} {}: {}",
+                                      output.string(),
+                                      replaces ? "stays as it was" : "not written",
+                                      cure_of_problems(report.problems.size())));
     std::string kept;
     if (replaces) {
         const auto old = keep_old_rig(output);

@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/config/rig.hpp"
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,6 +17,9 @@ struct RigReport {
 };
 
 void print(const RigReport& report);
+
+/// "solve the problem above first, or give --force".
+std::string cure_of_problems(std::size_t num_problems);
 
 /// Tells before the work whether its rig could be written. Error kConfiguration if `output` exists
 /// and is no rig, or a damaged one, unless `force`.

@@ -89,7 +89,9 @@ Expected<void> run_refine(const RefineCommand& options) {
     if (options.output.empty()) {
         print(report);
         if (!verdict.problems.empty() && !options.force)
-            return make_error(ErrorKind::kInvalidData, "the refinement is not good: see above");
+            return make_error(
+                ErrorKind::kInvalidData,
+                "the refinement is not good: " + cure_of_problems(verdict.problems.size()));
         fmt::print("nothing written: give -o FILE\n");
         return {};
     }
