@@ -240,6 +240,19 @@ private:
             number(cameras[i].offset_ms);
             number(cameras[i].last_picture_age_ms);
         }
+        fill(w.coherence);
+    }
+    void fill(atrium_RigCoherence& w) {
+        name(w.fault.cure);
+        if (chance(70)) w.verdict = static_cast<std::uint8_t>(below(5));
+        w.cameras = {};
+        auto* cameras = elements(w.cameras, below(6));
+        for (std::uint32_t i = 0; i < w.cameras._length; ++i) {
+            raw(cameras[i]);
+            name(cameras[i].name);
+            number(cameras[i].rms_px);
+            if (chance(70)) cameras[i].share = 0.9;
+        }
     }
     void fill(atrium_WorldStatus& w) {
         raw(w);
