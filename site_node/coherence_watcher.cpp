@@ -17,7 +17,8 @@ namespace atrium::site_node {
 namespace {
 
 constexpr auto kSightPeriod = std::chrono::milliseconds(500);
-constexpr int kLeastPriority = 19;  // of nice(2); on Linux per thread
+constexpr auto kKeepPeriod = std::chrono::minutes(1);  // somebody may mend the camera meanwhile
+constexpr int kLeastPriority = 19;                     // of nice(2); on Linux per thread
 
 double thread_cpu_s() {
     timespec time{};
@@ -25,20 +26,27 @@ double thread_cpu_s() {
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-std::string refine_command(const std::string& rig, const std::string& camera) {
-    return fmt::format(
-        "calibrate refine {} --camera {} --recording DIR -o mended.toml", rig, camera);
+// `camera`: empty: all.
+std::string refine_command(const std::string& rig,
+                           const std::string& camera,
+                           const std::string& recording) {
+    return fmt::format("calibrate refine {} {}--recording {} -o mended.toml",
+                       rig,
+                       camera.empty() ? "" : fmt::format("--camera {} ", camera),
+                       recording);
 }
 
 }  // namespace
 
 CoherenceWatcher::CoherenceWatcher(std::vector<geometry::CalibratedCamera> cameras,
                                    double rate_hz,
-                                   std::string rig_name)
+                                   std::string rig_name,
+                                   std::filesystem::path kept_folder)
     : cameras_(std::move(cameras)),
       rate_hz_(rate_hz),
       rig_name_(std::move(rig_name)),
       watch_(cameras_),
+      kept_(std::move(kept_folder), coherence::Coherence::kWindow),
       thread_([this](std::stop_token stop) { run(stop); }) {
     pthread_setname_np(thread_.native_handle(), "coherence");
 }
@@ -67,13 +75,13 @@ void CoherenceWatcher::put(std::uint64_t frame_id, std::vector<views::NamedView>
     if (frame_id != *before_id_ + 1) before_.clear();
     before_id_.reset();
     is_looking_ = true;
-    slot_.put({std::move(views), std::exchange(before_, {}), wanted_at_});
+    slot_.put({{frame_id, std::move(views), std::exchange(before_, {})}, wanted_at_});
 }
 
 void CoherenceWatcher::run(std::stop_token stop) {
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLeastPriority);
-    while (const auto pair = slot_.take(stop)) {
-        look(*pair);
+    while (auto one = slot_.take(stop)) {
+        look(std::move(*one));
         cpu_s_ = thread_cpu_s();
         is_looking_ = false;
     }
@@ -92,16 +100,37 @@ std::vector<coherence::SilhouetteHull> CoherenceWatcher::hulls_of(
     return hulls;
 }
 
-void CoherenceWatcher::look(const Pair& pair) {
+void CoherenceWatcher::look(Look&& look) {
     coherence::Sight sight;
-    sight.now = hulls_of(pair.now);
-    if (!pair.before.empty()) sight.before = hulls_of(pair.before);
-    const auto judgement = watch_.look(sight, pair.wanted_at);
+    sight.now = hulls_of(look.instant.now);
+    if (!look.instant.before.empty()) sight.before = hulls_of(look.instant.before);
+    const auto judgement = watch_.look(sight, look.wanted_at);
+    if (watch_.has_used_last()) kept_.add(std::move(look.instant));
     if (!judgement) return;
+    keep(*judgement, look.wanted_at);
     tell(*judgement);
     bus::RigCoherence status = status_of(judgement->report);
     const std::lock_guard lock(newest_mutex_);
     newest_ = std::move(status);
+}
+
+void CoherenceWatcher::keep(const coherence::CoherenceWatch::Judgement& judgement,
+                            Clock::time_point now) {
+    if (!kept_.has_folder()) return;
+    const coherence::Verdict verdict = judgement.report.verdict;
+    if (verdict != coherence::Verdict::kMoved && verdict != coherence::Verdict::kIncoherent) {
+        kept_at_.reset();
+        return;
+    }
+    if (!judgement.is_told && kept_at_ && now - *kept_at_ < kKeepPeriod) return;
+    kept_at_ = now;
+    const auto written = kept_.write();
+    is_kept_ = written.has_value();
+    if (!written) app::log::warn("silhouettes_not_kept reason=\"{}\"", written.error().message);
+}
+
+std::string CoherenceWatcher::refine_command(const std::string& camera) const {
+    return site_node::refine_command(rig_name_, camera, is_kept_ ? kept_.folder().string() : "DIR");
 }
 
 bus::RigCoherence CoherenceWatcher::newest() const {
@@ -123,6 +152,17 @@ void CoherenceWatcher::tell(const coherence::CoherenceWatch::Judgement& judgemen
 }
 
 std::string CoherenceWatcher::text_of(const coherence::Report& report) const {
+    const char* const walk = is_kept_ ? "let somebody walk through the room for a minute and a half"
+                                      : "record a person who walks through the room";
+    if (!report.fault)
+        return fmt::format(
+            "rig_incoherent coherence_px={:.2f} reason=\"the silhouettes contradict the rig, and "
+            "no "
+            "single camera explains it: look at them with --preview; if they are good, {}, and "
+            "mend cameras that are off by up to 1 degree and 3 cm with `{}`, or calibrate again\"",
+            report.rms_px,
+            walk,
+            refine_command(""));
     const coherence::NamedFault& fault = *report.fault;
     const std::string& name = cameras_[fault.camera].name;
     if (report.verdict == coherence::Verdict::kLate)
@@ -132,14 +172,14 @@ std::string CoherenceWatcher::text_of(const coherence::Report& report) const {
                            coherence::late_text(fault, name, rate_hz_));
     return fmt::format(
         "camera_moved camera={} effect_px={:.1f} coherence_px={:.2f} reason=\"{} {} since the "
-        "calibration: fix it, record a person who walks through the room, and mend the rig with "
-        "`{}`\"",
+        "calibration: fix it, {}, and mend the rig with `{}`\"",
         name,
         fault.effect_px,
         report.rms_px,
         name,
         coherence::motion_text(fault),
-        refine_command(rig_name_, name));
+        walk,
+        refine_command(name));
 }
 
 bus::RigCoherence CoherenceWatcher::status_of(const coherence::Report& report) const {
@@ -156,20 +196,29 @@ bus::RigCoherence CoherenceWatcher::status_of(const coherence::Report& report) c
                                camera.share,
                                static_cast<std::uint32_t>(camera.num_tangencies)});
     }
-    if (!report.fault) return out;
-    const coherence::NamedFault& fault = *report.fault;
-    const std::string& name = cameras_[fault.camera].name;
-    out.fault = {static_cast<std::uint32_t>(fault.camera),
-                 fault.turned_deg.value_or(-1.0),
-                 fault.moved_mm.value_or(-1.0),
-                 fault.is_either,
-                 fault.late_instants,
-                 fault.effect_px,
-                 report.verdict == coherence::Verdict::kLate ? coherence::late_cure(fault)
-                                                             : refine_command(rig_name_, name)};
-    // a path that no line of the status may hold
-    if (!bus::is_valid_line(out.fault.cure)) out.fault.cure = refine_command("RIG.toml", name);
+    if (report.fault) {
+        const coherence::NamedFault& fault = *report.fault;
+        out.fault = {static_cast<std::uint32_t>(fault.camera),
+                     fault.turned_deg.value_or(-1.0),
+                     fault.moved_mm.value_or(-1.0),
+                     fault.is_either,
+                     fault.late_instants,
+                     fault.effect_px,
+                     {}};
+    }
+    out.fault.cure = cure_of(report);
     return out;
+}
+
+std::string CoherenceWatcher::cure_of(const coherence::Report& report) const {
+    if (report.verdict == coherence::Verdict::kLate) return coherence::late_cure(*report.fault);
+    if (report.verdict != coherence::Verdict::kMoved &&
+        report.verdict != coherence::Verdict::kIncoherent)
+        return {};
+    const std::string camera = report.fault ? cameras_[report.fault->camera].name : "";
+    const std::string cure = refine_command(camera);
+    // a path that no line of the status may hold
+    return bus::is_valid_line(cure) ? cure : site_node::refine_command("RIG.toml", camera, "DIR");
 }
 
 void CoherenceWatcher::finish() {

@@ -3,11 +3,13 @@
 #include "core/base/latest_slot.hpp"
 #include "core/bus/status_messages.hpp"
 #include "site_node/coherence/coherence_watch.hpp"
+#include "site_node/kept_silhouettes.hpp"
 #include "site_node/views/named_view.hpp"
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -24,10 +26,13 @@ class CoherenceWatcher {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// `rig_name`: for the command that mends it. Fewer than three cameras are not watched.
+    /// `rig_name`: for the command that mends it, which reads the silhouettes that the watcher
+    /// writes into `kept_folder` while a camera's fault holds (KeptSilhouettes). Fewer than three
+    /// cameras are not watched.
     CoherenceWatcher(std::vector<geometry::CalibratedCamera> cameras,
                      double rate_hz,
-                     std::string rig_name);
+                     std::string rig_name,
+                     std::filesystem::path kept_folder = {});
     ~CoherenceWatcher();
 
     /// True if it wants the contours of metaframe `frame_id`: never before it is done with the
@@ -45,17 +50,20 @@ public:
     void finish();
 
 private:
-    struct Pair {
-        std::vector<views::NamedView> now, before;
+    struct Look {
+        KeptSilhouettes::Instant instant;
         Clock::time_point wanted_at;
     };
     void run(std::stop_token stop);
-    void look(const Pair& pair);
+    void look(Look&& look);
+    void keep(const coherence::CoherenceWatch::Judgement& judgement, Clock::time_point now);
+    std::string refine_command(const std::string& camera) const;
     std::vector<coherence::SilhouetteHull> hulls_of(
         const std::vector<views::NamedView>& views) const;
     void tell(const coherence::CoherenceWatch::Judgement& judgement) const;
     std::string text_of(const coherence::Report& report) const;
     bus::RigCoherence status_of(const coherence::Report& report) const;
+    std::string cure_of(const coherence::Report& report) const;
 
     const std::vector<geometry::CalibratedCamera> cameras_;
     const double rate_hz_;
@@ -67,8 +75,11 @@ private:
     Clock::time_point wanted_at_{};
     // of the thread, and after its end of `finish`
     coherence::CoherenceWatch watch_;
+    KeptSilhouettes kept_;
+    std::optional<Clock::time_point> kept_at_;  // written, of the fault that holds
+    bool is_kept_ = false;                      // the last writing succeeded
     double cpu_s_ = 0.0;
-    LatestSlot<Pair> slot_;
+    LatestSlot<Look> slot_;
     std::atomic<bool> is_looking_ = false;  // at what was put last
     mutable std::mutex newest_mutex_;
     bus::RigCoherence newest_;

@@ -161,6 +161,11 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "how long to run [s]; 0: until Ctrl-C or the end of a recording",
             {0, 1e9});
 
+    set.add("site.kept_silhouettes",
+            config.kept_silhouettes,
+            "while a camera contradicts the rig, a folder here with the site's name has the newest "
+            "silhouettes, for `calibrate refine`; empty: none");
+
     set.add(
         "preview",
         config.preview,

@@ -19,7 +19,8 @@ struct SiteNodeConfig {
     int threads = 0;                // 0: all cores but one
     double seconds = 0.0;           // 0: until Ctrl-C or the end of the recording
     std::filesystem::path preview;  // preview::Preview's target; empty: none
-    bool list_cameras = false;      // print the cameras and exit
+    std::filesystem::path kept_silhouettes = ".cache/silhouettes";  // KeptSilhouettes; empty: none
+    bool list_cameras = false;                                      // print the cameras and exit
     CaptureConfig capture;
     simulation::RoomConfig simulation;
     PipelineOptions pipeline;

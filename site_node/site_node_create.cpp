@@ -185,8 +185,12 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
       pool_(static_cast<std::size_t>(config.threads)),
       offsets_(source_->rig(), source_->is_live()),
       rig_watcher_(agreement_options(config_.pipeline.hull)),
-      coherence_watcher_(
-          source_->rig().cameras, metaframe_rate_hz(config_, source_->rig()), rig_file(config_)),
+      coherence_watcher_(source_->rig().cameras,
+                         metaframe_rate_hz(config_, source_->rig()),
+                         rig_file(config_),
+                         config_.kept_silhouettes.empty()
+                             ? std::filesystem::path()
+                             : config_.kept_silhouettes / config_.name),
       run_control_(std::move(run_control)),
       membership_(std::move(membership)) {
     if (config_.preview.empty()) return;

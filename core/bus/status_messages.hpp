@@ -99,7 +99,7 @@ struct RigCoherence {
     double rms_px = 0.0;                   // of all tangencies, robust
     std::uint32_t num_instants = 0;        // that were judged
     std::vector<CameraCoherence> cameras;  // in the order of SiteDescription; empty: not judged yet
-    RigFault fault;                        // if `has_fault`
+    RigFault fault;                        // if `has_fault`; of kIncoherent, its `cure`
 
     bool has_fault() const { return verdict == RigVerdict::kMoved || verdict == RigVerdict::kLate; }
     bool operator==(const RigCoherence&) const = default;

@@ -106,6 +106,11 @@ Figures figures_of(const bus::SiteStatus& status) {
     if (rig.has_fault() && rig.fault.camera < rig.cameras.size())
         figures.alarms.push_back(
             alarm_of(rig.cameras[rig.fault.camera].name, rig.fault, rig.verdict));
+    if (rig.verdict == bus::RigVerdict::kIncoherent)
+        figures.alarms.push_back(
+            {fmt::format("the silhouettes contradict the rig by {:.1f} px", rig.rms_px),
+             "calibrate refine",
+             rig.fault.cure});
     return figures;
 }
 

@@ -207,13 +207,14 @@ bool Coherence::has_moved(const Sight& sight) {
     return moves;
 }
 
-void Coherence::add(const Sight& sight) {
-    if (!has_moved(sight)) return;
+bool Coherence::add(const Sight& sight) {
+    if (!has_moved(sight)) return false;
     std::vector<Tangency> found;
     find_tangencies(cameras_, sight, 0, {}, found);
-    if (found.empty()) return;
+    if (found.empty()) return false;
     window_.push_back(std::move(found));
     if (window_.size() > most_sights_) window_.pop_front();
+    return true;
 }
 
 Report Coherence::judge() const {

@@ -59,8 +59,8 @@ public:
                        std::size_t most_sights = kWindow);
 
     /// Adds an instant, the newest; the oldest leaves the window. Instants about half a second
-    /// apart say most. An instant at which nothing has moved since the last is left out.
-    void add(const Sight& sight);
+    /// apart say most. An instant at which nothing has moved since the last is left out: false.
+    bool add(const Sight& sight);
     void clear();
 
     Report judge() const;

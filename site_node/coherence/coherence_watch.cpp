@@ -10,9 +10,10 @@ constexpr double kAsWell = 1.5;  // of the errors of all
 // A rig is also called coherent if a second fault hides the first one, or if nothing is known of
 // the camera any more.
 bool is_well(const Report& report, std::size_t camera) {
+    if (report.verdict != Verdict::kCoherent) return false;
+    if (camera >= report.cameras.size()) return true;  // no camera was to blame
     const CameraCoherence& its = report.cameras[camera];
-    return report.verdict == Verdict::kCoherent &&
-           its.num_tangencies >= Coherence::kLeastTangencies &&
+    return its.num_tangencies >= Coherence::kLeastTangencies &&
            its.rms_px <= std::max(Coherence::kLeastEffect_px, kAsWell * report.rms_px);
 }
 
@@ -20,7 +21,7 @@ bool is_well(const Report& report, std::size_t camera) {
 
 std::optional<CoherenceWatch::Judgement> CoherenceWatch::look(const Sight& sight,
                                                               Clock::time_point now) {
-    coherence_.add(sight);
+    has_used_last_ = coherence_.add(sight);
     ++num_looks_;
     if (last_judgement_ && now - *last_judgement_ < kJudgementPeriod) return std::nullopt;
     last_judgement_ = now;
@@ -33,11 +34,15 @@ void CoherenceWatch::settle(Judgement& judgement, Clock::time_point now) {
     Report& report = judgement.report;
     std::optional<Key> found;
     if (report.fault) found = Key(report.verdict, report.fault->camera);
+    const bool blames_one = held_ && held_->second.camera != kNoCamera;
+    if (report.verdict == Verdict::kIncoherent && !blames_one)
+        found = Key(Verdict::kIncoherent, kNoCamera);
     const bool is_held = held_ && found == Key(held_->first, held_->second.camera);
     if (found && (is_held || found == last_)) {
-        if (held_ && held_->second.camera != found->second)
+        if (blames_one && held_->second.camera != found->second)
             judgement.recovered = held_->second.camera;
-        held_ = {report.verdict, *report.fault};
+        held_ = {report.verdict, report.fault.value_or(NamedFault{})};
+        held_->second.camera = found->second;
         judgement.is_told = found != told_ || now - told_at_ >= kRepeat;
     }
     last_ = found;
@@ -47,15 +52,16 @@ void CoherenceWatch::settle(Judgement& judgement, Clock::time_point now) {
     }
     const bool is_well_now = held_ && is_well(report, held_->second.camera);
     if (is_well_now && was_well_) {
-        judgement.recovered = held_->second.camera;
+        if (held_->second.camera != kNoCamera) judgement.recovered = held_->second.camera;
         held_.reset();
         told_.reset();
     }
     was_well_ = is_well_now;
     if (held_) {
         report.verdict = held_->first;
-        report.fault = held_->second;
-    } else if (report.fault) {  // found once
+        report.fault.reset();
+        if (held_->second.camera != kNoCamera) report.fault = held_->second;
+    } else if (found) {  // once
         report.verdict = settled_;
         report.fault.reset();
     }

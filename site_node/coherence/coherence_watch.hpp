@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -11,8 +12,9 @@
 namespace atrium::coherence {
 
 /// Decides which faults of its rig a running site tells. A fault holds from two judgements in a row
-/// that find it, until two in a row find its camera well or a fault of another one. It is told when
-/// it begins, and every ten minutes. No threads; not thread-safe.
+/// that find it, until two in a row find its camera well or a fault of another one. An incoherent
+/// rig without a camera to blame is such a fault, too, unless that of a camera holds. A fault is
+/// told when it begins, and every ten minutes. No threads; not thread-safe.
 class CoherenceWatch {
 public:
     using Clock = std::chrono::steady_clock;
@@ -32,14 +34,19 @@ public:
 
     Report judge() const { return coherence_.judge(); }
     std::size_t num_looks() const { return num_looks_; }
+    /// True if the last instant counts for judgements: somebody moved.
+    bool has_used_last() const { return has_used_last_; }
 
 private:
-    using Key = std::pair<Verdict, std::size_t>;  // camera
+    // One fault: its camera, or kNoCamera of an incoherent rig.
+    using Key = std::pair<Verdict, std::size_t>;
+    static constexpr std::size_t kNoCamera = SIZE_MAX;
 
     void settle(Judgement& judgement, Clock::time_point now);
 
     Coherence coherence_;
     std::size_t num_looks_ = 0;
+    bool has_used_last_ = false;
     std::optional<Clock::time_point> last_judgement_;
     std::optional<Key> last_, told_;
     Clock::time_point told_at_{};

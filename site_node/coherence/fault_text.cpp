@@ -22,12 +22,12 @@ std::string late_cure(const NamedFault& fault) {
 std::string late_text(const NamedFault& fault, const std::string& camera, double rate_hz) {
     const double late = fault.late_instants;
     return fmt::format(
-        "camera '{}' is {} by {:.1f} instants ({:.0f} ms): its pictures fit the motion of the "
-        "person at another time; {}",
+        "camera '{}' is {} by {:.1f} instants{}: its pictures fit the motion of the person at "
+        "another time; {}",
         camera,
         late > 0.0 ? "late" : "early",
         std::abs(late),
-        1000.0 * std::abs(late) / rate_hz,
+        rate_hz > 0.0 ? fmt::format(" ({:.0f} ms)", 1000.0 * std::abs(late) / rate_hz) : "",
         late_cure(fault));
 }
 

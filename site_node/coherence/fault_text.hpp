@@ -12,7 +12,7 @@ std::string motion_text(const NamedFault& fault);
 /// "check its trigger, or shift its pictures by -1": the cure of a camera that is late.
 std::string late_cure(const NamedFault& fault);
 
-/// A sentence about a camera that is late, with the cure. `rate_hz`: of the instants.
+/// A sentence about a camera that is late, with the cure. `rate_hz`: of the instants; 0: unknown.
 std::string late_text(const NamedFault& fault, const std::string& camera, double rate_hz);
 
 }  // namespace atrium::coherence

@@ -198,10 +198,10 @@ protected:
         now_ += std::chrono::milliseconds(500);
         return watch_.look(film_.sight(num_looks_++ % film_.num_looks(), filming_), now_);
     }
-    void bump(std::size_t camera) {
+    void bump(std::size_t camera, double degrees = 0.2) {
         filming_.truth[camera] =
             test::bumped(filming_.truth[camera],
-                         Eigen::Vector3d(0.0, 0.0, 0.2 * std::numbers::pi / 180.0),
+                         Eigen::Vector3d(0.0, 0.0, degrees * std::numbers::pi / 180.0),
                          Eigen::Vector3d::Zero());
     }
     // Number of looks until a fault is told.
@@ -309,6 +309,48 @@ TEST_F(CoherenceWatchOfAWalk, HoldsAFaultIfItsCameraSeesNobodyAnyMore) {
     EXPECT_EQ(watch_.judge().cameras[6].num_tangencies, 0u);
 }
 
+TEST_F(CoherenceWatchOfAWalk, TellsOnceThatNoSingleCameraExplainsTheErrors) {
+    for (const std::size_t camera : {1, 3, 4, 6}) bump(camera, camera % 2 == 0 ? 3.0 : -3.0);
+    std::size_t num_told = 0, num_found = 0;
+    for (std::size_t i = 0; i < 120; ++i) {
+        const auto judgement = look();
+        if (!judgement) continue;
+        num_found += watch_.judge().verdict == Verdict::kIncoherent ? 1 : 0;
+        EXPECT_EQ(judgement->report.verdict == Verdict::kIncoherent, num_found >= 2);
+        EXPECT_FALSE(judgement->report.fault);
+        num_told += judgement->is_told ? 1 : 0;
+    }
+    EXPECT_EQ(num_told, 1u);
+    filming_.truth = rig();
+    bool is_over = false;
+    for (std::size_t i = 0; i < 120; ++i) {
+        const auto judgement = look();
+        if (!judgement) continue;
+        EXPECT_FALSE(judgement->is_told || judgement->recovered) << "no camera was to blame";
+        EXPECT_FALSE(is_over && judgement->report.verdict == Verdict::kIncoherent);
+        is_over = judgement->report.verdict == Verdict::kCoherent;
+    }
+    EXPECT_TRUE(is_over);
+    bump(6);
+    EXPECT_LE(looks_until_told(), 60u);
+}
+
+TEST_F(CoherenceWatchOfAWalk, StillBlamesACameraIfOthersMoveFarToo) {
+    bump(6, 3.0);
+    ASSERT_NE(looks_until_told(), kNever);
+    for (const std::size_t camera : {1, 3, 4}) bump(camera, camera % 2 == 0 ? 3.0 : -3.0);
+    std::size_t num_incoherent = 0;
+    for (std::size_t i = 0; i < 120; ++i) {
+        const auto judgement = look();
+        if (!judgement) continue;
+        num_incoherent += watch_.judge().verdict == Verdict::kIncoherent ? 1 : 0;
+        EXPECT_FALSE(judgement->recovered);
+        ASSERT_TRUE(judgement->report.fault);
+        EXPECT_EQ(judgement->report.fault->camera, 6u);
+    }
+    EXPECT_GE(num_incoherent, 2u);
+}
+
 TEST(FaultText, SaysWhatIsCertain) {
     NamedFault fault;
     EXPECT_EQ(motion_text(fault), "turned or moved a little");
@@ -320,6 +362,8 @@ TEST(FaultText, SaysWhatIsCertain) {
     EXPECT_EQ(motion_text(fault), "turned by 0.20 degrees or moved by 10 mm");
     fault.late_instants = -0.4;
     EXPECT_NE(late_text(fault, "north", 20.0).find("'north' is early by 0.4 instants (20 ms)"),
+              std::string::npos);
+    EXPECT_NE(late_text(fault, "north", 0.0).find("'north' is early by 0.4 instants: "),
               std::string::npos);
 }
 

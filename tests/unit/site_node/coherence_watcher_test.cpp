@@ -2,16 +2,21 @@
 
 #include "core/bus/checks.hpp"
 #include "core/bus/messages.hpp"
+#include "site_node/views/views_file.hpp"
 #include "tests/support/comes_true.hpp"
 #include "tests/support/people/walk_film.hpp"
 #include "tests/support/people/walking_people.hpp"
 #include "tests/support/shapes/rig_maker.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -49,8 +54,9 @@ const test::WalkFilm& film() {
 class WatchedWalk {
 public:
     explicit WatchedWalk(std::vector<geometry::CalibratedCamera> rig,
-                         const std::string& rig_name = "lab.toml")
-        : rig_(rig), filming_{rig}, watcher_(rig, 30.0, rig_name) {}
+                         const std::string& rig_name = "lab.toml",
+                         const std::filesystem::path& kept = {})
+        : rig_(rig), filming_{rig}, watcher_(rig, 30.0, rig_name, kept) {}
 
     // Shows it two metaframes in a row, and waits until it has looked at them.
     void look() {
@@ -81,7 +87,7 @@ private:
         for (std::size_t i = 0; i < hulls.size(); ++i) {
             views::NamedView& view = out.emplace_back();
             view.name = rig_[i].name;
-            view.view.contours = {hulls[i].points};
+            view.view = {rig_[i].intrinsics, rig_[i].camera_from_site, {hulls[i].points}, {}};
         }
         return out;
     }
@@ -152,6 +158,90 @@ TEST(CoherenceWatcher, NamesARigWhosePathNoStatusCanCarry) {
         EXPECT_EQ(moved.fault.cure,
                   "calibrate refine RIG.toml --camera cam0 --recording DIR -o mended.toml");
     }
+}
+
+class KeptWalk : public testing::Test {
+protected:
+    void SetUp() override { std::filesystem::remove_all(folder_); }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+    const std::filesystem::path folder_ =
+        std::filesystem::temp_directory_path() / ("atrium-kept-" + std::to_string(getpid()));
+};
+
+std::set<std::uint64_t> kept_ids(const std::filesystem::path& folder) {
+    std::set<std::uint64_t> ids;
+    for (const auto& file : std::filesystem::directory_iterator(folder / "views")) {
+        const auto views = views::load_views_file(file.path());
+        EXPECT_EQ(views ? views->size() : 0, 8u) << file.path();
+        ids.insert(std::stoull(file.path().stem()));
+    }
+    return ids;
+}
+
+TEST_F(KeptWalk, KeepsTheSilhouettesThatShowAFault) {
+    const std::filesystem::path kept = folder_ / "lab";
+    WatchedWalk walk(watched_rig(), "lab.toml", kept);
+    for (int i = 0; i < 24; ++i) walk.look();
+    EXPECT_FALSE(std::filesystem::exists(kept)) << "the rig is true";
+    geometry::CalibratedCamera& camera = walk.filming().truth[5];
+    camera = test::bumped(camera, Eigen::Vector3d(0.0, 0.02, 0.0), Eigen::Vector3d::Zero());
+    ASSERT_TRUE(walk.comes_to_hold(true));
+    EXPECT_EQ(
+        walk.watcher().newest().fault.cure,
+        "calibrate refine lab.toml --camera cam5 --recording " + kept.string() + " -o mended.toml");
+    const auto first = kept_ids(kept);
+    ASSERT_GT(first.size(), 36u);
+    for (const std::uint64_t id : first)  // two metaframes in a row each
+        EXPECT_TRUE(first.contains(id % 2 == 1 ? id + 1 : id - 1)) << id;
+    // somebody mends the camera meanwhile: the newest count
+    for (int i = 0; i < 140; ++i) walk.look();
+    const auto later = kept_ids(kept);
+    EXPECT_GT(*later.begin(), *first.begin());
+    EXPECT_GT(*later.rbegin(), *first.rbegin() + 100);
+    EXPECT_FALSE(std::filesystem::exists(kept / "views.new"));
+    EXPECT_FALSE(std::filesystem::exists(kept / "views.old"));
+}
+
+TEST_F(KeptWalk, MendsAllCamerasIfNoneIsToBlame) {
+    testing::internal::CaptureStderr();
+    {
+        WatchedWalk walk(watched_rig(), "lab.toml", folder_);
+        for (const std::size_t i : {1, 3, 4, 6}) {
+            geometry::CalibratedCamera& camera = walk.filming().truth[i];
+            camera = test::bumped(camera,
+                                  Eigen::Vector3d(0.0, 0.0, 0.02 + 0.01 * static_cast<double>(i)),
+                                  Eigen::Vector3d::Zero());
+        }
+        for (int i = 0; i < 60; ++i) walk.look();
+        const bus::RigCoherence newest = walk.watcher().newest();
+        EXPECT_EQ(newest.verdict, bus::RigVerdict::kIncoherent);
+        EXPECT_TRUE(is_sendable(newest));
+        EXPECT_EQ(newest.fault.cure,
+                  "calibrate refine lab.toml --recording " + folder_.string() + " -o mended.toml");
+    }
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(num_of("rig_incoherent coherence_px=", log), 1u) << log;
+    EXPECT_GT(kept_ids(folder_).size(), 36u);
+}
+
+TEST_F(KeptWalk, LeavesFilesOfOthersAlone) {
+    std::filesystem::create_directories(folder_ / "views");
+    const auto mine = folder_ / "views" / "holiday.json";
+    std::ofstream(mine) << "{}";
+    testing::internal::CaptureStderr();
+    {
+        WatchedWalk walk(watched_rig(), "lab.toml", folder_);
+        geometry::CalibratedCamera& camera = walk.filming().truth[5];
+        camera = test::bumped(camera, Eigen::Vector3d(0.0, 0.02, 0.0), Eigen::Vector3d::Zero());
+        EXPECT_TRUE(walk.comes_to_hold(true));
+        EXPECT_EQ(walk.watcher().newest().fault.cure,
+                  "calibrate refine lab.toml --camera cam5 --recording DIR -o mended.toml");
+    }
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_TRUE(std::filesystem::exists(mine));
+    EXPECT_EQ(num_of("silhouettes_not_kept reason=\"" + (folder_ / "views").string(), log), 1u)
+        << log;
+    EXPECT_EQ(num_of("record a person who walks", log), 1u) << log;
 }
 
 TEST(CoherenceWatcher, KnowsNothingOfFewerThanThreeCameras) {

@@ -42,9 +42,17 @@ TEST(Figures, AlarmOfACameraThatIsLate) {
     EXPECT_EQ(figures_of(status).alarms[0].what, "camera north is early by 1.0 instants");
 }
 
-TEST(Figures, NoAlarmWithoutANamedCamera) {
-    for (const auto verdict :
-         {bus::RigVerdict::kUnknown, bus::RigVerdict::kCoherent, bus::RigVerdict::kIncoherent})
+TEST(Figures, AlarmOfARigThatNoCameraExplains) {
+    bus::SiteStatus status = judged_site(bus::RigVerdict::kIncoherent);
+    status.coherence.fault = {.cure = "calibrate refine lab.toml"};
+    const Figures figures = figures_of(status);
+    ASSERT_EQ(figures.alarms.size(), 1u);
+    EXPECT_EQ(figures.alarms[0].what, "the silhouettes contradict the rig by 0.4 px");
+    EXPECT_EQ(figures.alarms[0].cure, "calibrate refine lab.toml");
+}
+
+TEST(Figures, NoAlarmOfARigThatIsTrueOrUnknown) {
+    for (const auto verdict : {bus::RigVerdict::kUnknown, bus::RigVerdict::kCoherent})
         EXPECT_THAT(figures_of(judged_site(verdict)).alarms, IsEmpty());
     EXPECT_FALSE(figures_of(bus::WorldStatus{}).coherence);
 }

@@ -4,6 +4,7 @@
 #include "site_node/rig_check/agreement.hpp"
 #include "site_node/silhouette/undistort_polygon.hpp"
 #include "site_node/silhouette_stage/silhouette_stage.hpp"
+#include "tools/calibrate/refine/take_polygons.hpp"
 
 #include <fmt/format.h>
 
@@ -157,6 +158,7 @@ private:
 Expected<Take> read_take(const std::filesystem::path& recording,
                          std::span<const geometry::CalibratedCamera> rig,
                          const TakeOptions& options) {
+    if (has_polygons(recording)) return read_polygons(recording, rig, options);
     capture::RecordingOptions how;
     how.folder = recording;
     auto source = capture::RecordingSource::open(how);

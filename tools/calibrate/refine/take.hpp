@@ -20,7 +20,7 @@ struct Take {
     /// Per sight: the silhouettes of the rig's cameras that have a picture, by name.
     std::vector<std::vector<views::NamedView>> views;
     std::size_t num_instants = 0;  // of the recording
-    double rate_hz = 0.0;
+    double rate_hz = 0.0;          // 0: unknown
 };
 
 struct TakeOptions {
@@ -33,6 +33,9 @@ struct TakeOptions {
 /// masks if it has any, else people are told from the empty room as site_node does. Of each instant
 /// the one before is read, too. The rig's lenses count, not those of the recording. Errors: a
 /// camera without pictures, or with pictures of another size, and those of the recording.
+///
+/// A folder with `views/` and no rig.toml has the polygons that a site found: of its
+/// KeptSilhouettes, or of `site_node --write-silhouettes`. Its lenses must be those of the rig.
 Expected<Take> read_take(const std::filesystem::path& recording,
                          std::span<const geometry::CalibratedCamera> rig,
                          const TakeOptions& options);
