@@ -3,8 +3,8 @@
 //
 //     wand_trials trials [SEEDS [GOOD]]    CSV: fault, runs, found, named, median seconds
 //     wand_trials times                    CSV: cameras, instants, seconds, errors
+#include "core/base/median.hpp"
 #include "tests/unit/calibrate/swept_room.hpp"
-#include "tools/calibrate/adjust/median.hpp"
 #include "tools/calibrate/report/previous_rig.hpp"
 #include "tools/calibrate/wand/judge_wand.hpp"
 

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kHugeVolume_m3 = 50.0;  // some hundred people
 constexpr double kHugeExtent_m = 50.0;
-constexpr double kTall_m = 3.5;  // taller than a person who stretches, on a chair
+constexpr double kTall_m = 3.5;         // taller than a person who stretches, on a chair
+constexpr double kAlwaysTall_m = 2.45;  // 1.9 m, and an arm that is always up
 constexpr double kTinyVolume_m3 = 1e-4;
 constexpr double kTinyExtent_m = 0.1;
 // A person of two years has 12 l, and the hull of few cameras is larger than the person.
@@ -46,8 +47,18 @@ std::optional<std::string> check_size(const geometry::Aabb& extent,
                                        : mistake,
                        is_huge || is_tiny ? ""
                                           : "; or the distance was wrong that was measured for "
-                                            "the scale (--distance of calibrate import); or the "
-                                            "focal lengths are too small");
+                                            "the scale (--distance of calibrate import), or the "
+                                            "squares of a chessboard; or the focal lengths are too "
+                                            "small");
+}
+
+std::optional<std::string> doubt_tall_people(double height_m) {
+    if (height_m <= kAlwaysTall_m) return std::nullopt;
+    return fmt::format(
+        "people are {:.2f} m tall most of the time: if nobody is, the lengths of the rig are too "
+        "large, perhaps squares of a chessboard that were said too large: measure the distance "
+        "between two cameras and import the calibration again with --distance CAMERA CAMERA METRES",
+        height_m);
 }
 
 bool is_small_for_person(const geometry::Aabb& extent, double volume_m3) {

@@ -19,6 +19,10 @@ std::optional<std::string> check_size(const geometry::Aabb& extent,
 /// empty.
 bool is_small_for_person(const geometry::Aabb& extent, double volume_m3);
 
+/// Says what may be wrong with a rig if `height_m`, the median height of the people at many
+/// instants, is more than that of anybody, even with raised arms; nullopt if it is not.
+std::optional<std::string> doubt_tall_people(double height_m);
+
 /// Says what may be wrong with a rig whose hulls stay too small for a person, with the cure.
 std::string doubt_small_hull(const geometry::Aabb& extent, double volume_m3);
 

@@ -1,5 +1,6 @@
 #include "site_node/rig_check/rig_watch.hpp"
 
+#include "core/base/median.hpp"
 #include "site_node/rig_check/diagnosis.hpp"
 #include "site_node/rig_check/hull_size.hpp"
 
@@ -24,6 +25,7 @@ constexpr std::size_t kQuickDiagnoses = 10;
 constexpr std::chrono::seconds kDiagnosisPeriod{30};
 constexpr const char* kAllDropped = "all_dropped";  // may be meant
 constexpr const char* kSmall = "small";
+constexpr const char* kTall = "tall";
 constexpr const char* kBelowFloor =
     "; if people reach far below z = 0, it is not the floor: import the calibration again with the "
     "measured height of a lens, --camera-height CAMERA METRES";
@@ -31,6 +33,8 @@ constexpr double kPersonFits_m = 1.5;  // bounds of less height are not for whol
 constexpr double kCutShare = 0.05;
 constexpr double kCutHere_m = 0.05;  // a hull that ends so near the bounds may be cut
 constexpr double kSeldomCut = 0.02;  // a look with less is not one that the bounds cut
+constexpr std::size_t kLeastHeights = 3;
+constexpr std::size_t kMostHeights = 600;  // these have decided it
 
 }  // namespace
 
@@ -70,6 +74,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         judge_bounds(look, agreement);
         judge_size(look, agreement);
         judge_floor(look);
+        judge_height(look, agreement);
     }
     judge_outside(look, agreement);
     std::vector<std::string> lines;
@@ -275,6 +280,18 @@ void RigWatch::judge_floor(const Look& look) {
          explain_floor(*feet_m, first.name, first.view.camera_from_site.inverse().translation.z()));
 }
 
+// Squares of a chessboard that were said too large make giants, whose silhouettes fit as well.
+void RigWatch::judge_height(const Look& look, const Agreement& agreement) {
+    if (!look.footing || agreement.share() < kPoorShare || heights_m_.size() >= kMostHeights)
+        return;
+    heights_m_.push_back(look.footing->height_m);
+    if (heights_m_.size() < kLeastHeights) return;
+    if (const auto doubt = doubt_tall_people(median_of(heights_m_)))
+        vote(kTall, kManyVotes, "hull_size_implausible", *doubt);
+    else
+        findings_.erase(kTall);
+}
+
 std::vector<std::string> RigWatch::finish() {
     std::vector<std::string> lines;
     for (const auto& [key, finding] : findings_) {
@@ -308,16 +325,18 @@ std::string RigWatch::summary() const {
     }
     if (counted == 0) return {};
     const double share = static_cast<double>(explained) / static_cast<double>(counted);
-    return fmt::format("silhouettes looks={} explained={:.2f} fit={} worst={}:{:.2f} cut={:.2f}{}",
-                       num_looks_,
-                       share,
-                       share >= kFineShare   ? "good"
-                       : share >= kPoorShare ? "fair"
-                                             : "poor",
-                       worst,
-                       worst_share,
-                       static_cast<double>(rays - counted) / static_cast<double>(rays),
-                       blind.empty() ? "" : fmt::format(" without_anybody=\"{}\"", blind));
+    return fmt::format(
+        "silhouettes looks={} explained={:.2f} fit={} worst={}:{:.2f} cut={:.2f}{}{}",
+        num_looks_,
+        share,
+        share >= kFineShare   ? "good"
+        : share >= kPoorShare ? "fair"
+                              : "poor",
+        worst,
+        worst_share,
+        static_cast<double>(rays - counted) / static_cast<double>(rays),
+        heights_m_.empty() ? "" : fmt::format(" height_m={:.2f}", median_of(heights_m_)),
+        blind.empty() ? "" : fmt::format(" without_anybody=\"{}\"", blind));
 }
 
 }  // namespace atrium::rig_check

@@ -45,9 +45,10 @@ public:
     /// Returns the lines for the end of a run: findings with too few looks to report them before.
     std::vector<std::string> finish();
 
-    /// "silhouettes looks=12 explained=0.96 fit=good worst=cam3:0.91 cut=0.00"; empty if nobody was
-    /// seen. `fit`: good from kFineShare on, fair from kPoorShare on, else poor.
-    /// `cut`: the share of the silhouettes that bounds or the borders of pictures cut.
+    /// "silhouettes looks=12 explained=0.96 fit=good worst=cam3:0.91 cut=0.00 height_m=1.78"; empty
+    /// if nobody was seen. `fit`: good from kFineShare on, fair from kPoorShare on, else poor.
+    /// `cut`: the share of the silhouettes that bounds or the borders of pictures cut. `height_m`:
+    /// the median height of people; missing if none was seen from the feet up.
     std::string summary() const;
 
     /// The reason of the last line that `look` or `finish` returned, if it may explain a hull that
@@ -89,6 +90,7 @@ private:
     void judge_size(const Look& look, const Agreement& agreement);
     void judge_smallness(const Look& look, const Agreement& agreement);
     void judge_floor(const Look& look);
+    void judge_height(const Look& look, const Agreement& agreement);
 
     AgreementOptions options_;
     bool has_seen_large_ = false;  // a hull that a person may have: the scale is right
@@ -101,6 +103,7 @@ private:
     std::deque<double> recent_shares_;
     std::deque<Cut> recent_cuts_;
     FloorCheck floor_;
+    std::vector<double> heights_m_;  // of people, at most kMostHeights
     std::string last_reason_;
 };
 

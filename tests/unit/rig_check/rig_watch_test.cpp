@@ -134,6 +134,40 @@ TEST(RigWatch, IsSilentAboutASmallThingWherePeopleWereSeenOrDoNotFit) {
     EXPECT_THAT(table.lines, testing::Not(testing::Contains(HasSubstr("hull_size_implausible"))));
 }
 
+Look person_of(double height_m, std::uint64_t seed) {
+    Look look = person(seed);
+    look.footing = Footing{{0.1, 0.2, 0.0}, height_m};
+    return look;
+}
+
+TEST(RigWatch, DoubtsAScaleInWhichPeopleAreAlwaysTall) {
+    for (const double height_m : {2.6, 2.9, 3.3}) {
+        WatchRun run;
+        for (std::uint64_t i = 0; i < 10; ++i) run.look(person_of(height_m, i));
+        EXPECT_THAT(run.lines, IsEmpty());
+        for (std::uint64_t i = 0; i < 10; ++i) run.look(person_of(height_m, i));
+        ASSERT_EQ(run.lines.size(), 1u);
+        EXPECT_THAT(run.lines.front(), HasSubstr("hull_size_implausible"));
+        EXPECT_THAT(run.lines.front(), HasSubstr("squares of a chessboard"));
+        EXPECT_THAT(run.watch.summary(),
+                    HasSubstr(" height_m=" + std::to_string(height_m).substr(0, 4)));
+    }
+    // a short recording says it at its end
+    WatchRun brief;
+    for (std::uint64_t i = 0; i < 5; ++i) brief.look(person_of(2.9, i));
+    EXPECT_THAT(brief.lines, IsEmpty());
+    EXPECT_THAT(brief.watch.finish(), ElementsAre(HasSubstr("people are 2.90 m tall")));
+}
+
+TEST(RigWatch, IsSilentAboutPeopleWhoRaiseTheirArms) {
+    WatchRun run;
+    // 1.95 m; arms up, or a jump, at two of five looks
+    for (std::uint64_t i = 0; i < 40; ++i) run.look(person_of(i % 5 < 2 ? 2.65 : 1.95, i));
+    EXPECT_THAT(run.lines, IsEmpty());
+    EXPECT_THAT(run.watch.finish(), IsEmpty());
+    EXPECT_THAT(run.watch.summary(), HasSubstr(" height_m=1.95"));
+}
+
 TEST(RigWatch, TellsOfBoundsThatCutPeople) {
     WatchRun run;
     AgreementOptions options;

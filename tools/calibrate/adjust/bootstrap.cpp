@@ -1,6 +1,6 @@
 #include "tools/calibrate/adjust/bootstrap.hpp"
 
-#include "tools/calibrate/adjust/median.hpp"
+#include "core/base/median.hpp"
 #include "tools/calibrate/adjust/place_camera.hpp"
 #include "tools/calibrate/adjust/place_wands.hpp"
 

@@ -1,6 +1,6 @@
 #include "tools/calibrate/board/solve_board.hpp"
 
-#include "tools/calibrate/adjust/median.hpp"
+#include "core/base/median.hpp"
 #include "tools/calibrate/adjust/place_wands.hpp"
 #include "tools/calibrate/board/start_lens.hpp"
 #include "tools/calibrate/board/unplaced.hpp"

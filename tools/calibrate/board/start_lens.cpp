@@ -1,6 +1,6 @@
 #include "tools/calibrate/board/start_lens.hpp"
 
-#include "tools/calibrate/adjust/median.hpp"
+#include "core/base/median.hpp"
 
 #include <fmt/format.h>
 #include <opencv2/calib3d.hpp>

@@ -1,6 +1,6 @@
 #include "tools/calibrate/board/views.hpp"
 
-#include "tools/calibrate/adjust/median.hpp"
+#include "core/base/median.hpp"
 
 #include <opencv2/calib3d.hpp>
 

@@ -1,4 +1,4 @@
-#include "tools/calibrate/adjust/median.hpp"
+#include "core/base/median.hpp"
 #include "tools/calibrate/adjust/place_wands.hpp"
 #include "tools/calibrate/board/place_rig.hpp"
 #include "tools/calibrate/board/solve_board.hpp"

@@ -1,7 +1,7 @@
 #include "tools/calibrate/report/compare_rigs.hpp"
 
+#include "core/base/median.hpp"
 #include "core/geometry/alignment.hpp"
-#include "tools/calibrate/adjust/median.hpp"
 
 #include <algorithm>
 #include <cmath>

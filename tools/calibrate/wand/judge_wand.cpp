@@ -1,6 +1,6 @@
 #include "tools/calibrate/wand/judge_wand.hpp"
 
-#include "tools/calibrate/adjust/median.hpp"
+#include "core/base/median.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "tools/calibrate/wand/measure_wand.hpp"
 
-#include "tools/calibrate/adjust/median.hpp"
+#include "core/base/median.hpp"
 #include "tools/calibrate/adjust/place_wands.hpp"
 #include "tools/calibrate/wand/lateness.hpp"
 

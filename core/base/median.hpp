@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace atrium::calibrate {
+namespace atrium {
 
 /// The upper median; 0 of none.
 inline double median_of(std::vector<double> values) {
@@ -13,4 +13,4 @@ inline double median_of(std::vector<double> values) {
     return *middle;
 }
 
-}  // namespace atrium::calibrate
+}  // namespace atrium
