@@ -3,7 +3,7 @@
 //
 //     wand_trials trials [SEEDS [GOOD]]    CSV: fault, runs, found, named, median seconds
 //     wand_trials times                    CSV: cameras, instants, seconds, errors
-#include "core/base/median.hpp"
+#include "bench/calibrate/fault_trials.hpp"
 #include "tests/unit/calibrate/swept_room.hpp"
 #include "tools/calibrate/report/previous_rig.hpp"
 #include "tools/calibrate/wand/judge_wand.hpp"
@@ -11,7 +11,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
@@ -173,40 +172,21 @@ std::vector<std::string> problems_of(const Run& run) {
     return problems;
 }
 
-void print_row(const char* name, int runs, int found, int named, std::vector<double> seconds) {
-    fmt::print("{},{},{},{},{:.2f}\n", name, runs, found, named, median_of(std::move(seconds)));
-    std::fflush(stdout);
-}
-
 void try_fault(const char* name, const std::function<void(Run&, std::mt19937&)>& make, int seeds) {
-    int found = 0, named = 0;
-    std::vector<double> seconds;
-    for (int seed = 1; seed <= seeds; ++seed) {
-        std::mt19937 rng(static_cast<std::uint32_t>(seed));
+    bench::print_trials(name, seeds, [&](std::uint32_t seed) {
+        std::mt19937 rng(seed);
         Run run;
-        run.options.seed = static_cast<std::uint32_t>(seed);
-        run.options.sweep_seed = static_cast<std::uint32_t>(seed) + 100;
+        run.options.seed = seed;
+        run.options.sweep_seed = seed + 100;
         run.options.num_cameras = 5 + rng() % 4;
         run.options.num_instants = 200;
         run.camera = rng() % run.options.num_cameras;
         if (make) make(run, rng);
-        const auto start = std::chrono::steady_clock::now();
-        const std::vector<std::string> problems = problems_of(run);
-        seconds.push_back(
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-        found += problems.empty() ? 0 : 1;
-        bool is_named = false;
-        for (const std::string& problem : problems)
-            for (const std::string& expected : run.expected)
-                is_named = is_named || problem.find(expected) != std::string::npos;
-        named += is_named ? 1 : 0;
-        if (make ? !is_named : !problems.empty())
-            for (const std::string& problem : problems)
-                fmt::print(stderr, "{}, seed {}, camera {}: {}\n", name, seed, run.camera, problem);
-        if (make && problems.empty())
-            fmt::print(stderr, "{}, seed {}, camera {}: not found\n", name, seed, run.camera);
-    }
-    print_row(name, seeds, found, named, std::move(seconds));
+        bench::Trial trial;
+        trial.seconds = bench::seconds_of([&] { trial.problems = problems_of(run); });
+        trial.expected = run.expected;
+        return trial;
+    });
 }
 
 void time_solver() {
@@ -217,10 +197,9 @@ void time_solver() {
         options.num_cameras = num_cameras;
         options.num_instants = num_instants;
         const SweptRoom room = sweep(default_wand(), options);
-        const auto start = std::chrono::steady_clock::now();
-        const auto solution = solve_wand(default_wand(), room.nominal, room.points, how());
-        const double seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        Expected<WandSolution> solution = WandSolution{};
+        const double seconds = bench::seconds_of(
+            [&] { solution = solve_wand(default_wand(), room.nominal, room.points, how()); });
         if (!solution) {
             fmt::print(stderr, "{}\n", solution.error().message);
             std::exit(1);
@@ -245,7 +224,7 @@ int main(int argc, char** argv) {
     if (argc >= 2 && std::strcmp(argv[1], "times") == 0) {
         time_solver();
     } else if (argc >= 2 && std::strcmp(argv[1], "trials") == 0) {
-        fmt::print("fault,runs,refused,named,median seconds\n");
+        bench::print_trials_heading();
         try_fault("none", nullptr, number(3, 50));
         for (const Fault& fault : faults()) try_fault(fault.name, fault.make, number(2, 20));
     } else {

@@ -12,10 +12,11 @@ constexpr std::size_t kEvery = 8;  // of the vertices
 
 }  // namespace
 
-WalkFilm::WalkFilm(std::uint64_t seed, int num_people) : seed_(seed) {
+WalkFilm::WalkFilm(std::uint64_t seed, int num_people, std::size_t first_look)
+    : seed_(seed), first_look_(first_look) {
     const WalkingPeople people({.seed = seed, .num_people = num_people});
     for (std::size_t i = 0; i < kLooks; ++i) {
-        const double now_s = 1.0 + kLook_s * static_cast<double>(i);
+        const double now_s = 1.0 + kLook_s * static_cast<double>(first_look + i);
         auto& look = looks_.emplace_back();
         for (int offset = -2; offset <= 1; ++offset)
             look[static_cast<std::size_t>(offset + 2)] =
@@ -24,7 +25,7 @@ WalkFilm::WalkFilm(std::uint64_t seed, int num_people) : seed_(seed) {
 }
 
 coherence::Sight WalkFilm::sight(std::size_t look, const Filming& filming) const {
-    Random random(1000 * seed_ + look);
+    Random random(1000 * seed_ + first_look_ + look);
     coherence::Sight sight;
     for (const bool is_now : {true, false}) {
         auto& hulls = is_now ? sight.now : sight.before;
@@ -39,7 +40,7 @@ coherence::Sight WalkFilm::sight(std::size_t look, const Filming& filming) const
                 px.y() += between(random, -filming.noise_px, filming.noise_px);
                 contours[0].push_back(px);
             }
-            if (filming.spoil) filming.spoil(c, look, random, contours);
+            if (filming.spoil) filming.spoil(c, first_look_ + look, random, contours);
             const Eigen::Vector2d last(camera.intrinsics.width - 0.5,
                                        camera.intrinsics.height - 0.5);
             for (auto& contour : contours)

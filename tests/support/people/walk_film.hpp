@@ -32,7 +32,8 @@ struct Filming {
 /// People who walk for 24 s, seen twice a second.
 class WalkFilm {
 public:
-    explicit WalkFilm(std::uint64_t seed, int num_people = 1);
+    /// `first_look`: a film that ends at the look before goes on here.
+    explicit WalkFilm(std::uint64_t seed, int num_people = 1, std::size_t first_look = 0);
 
     std::size_t num_looks() const { return looks_.size(); }
     coherence::Sight sight(std::size_t look, const Filming& filming) const;
@@ -41,6 +42,7 @@ private:
     // points of the skins at the look, one and two instants before, one after
     std::vector<std::array<std::vector<Eigen::Vector3d>, 4>> looks_;
     std::uint64_t seed_;
+    std::size_t first_look_;
 };
 
 }  // namespace atrium::test

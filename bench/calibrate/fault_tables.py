@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Renews the tables of docs/measurements/calibration.md from the results of wand_trials.sh.
+"""Renews the tables of docs/measurements/calibration.md from the results of fault_trials.sh.
 
-usage: wand_trials.py TRIALS TIMES PAGE
+usage: fault_tables.py WANDS BOARDS TIMES PAGE
 """
 
 import os
@@ -11,13 +11,18 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from page_table import put_table, read_rows
 
 
-def main(trials, times, page):
-    rows, comment = read_rows(trials)
+def put_faults(results, page, name):
+    rows, comment = read_rows(results)
     out = ["| fault | runs | refused | named rightly |", "|---|---|---|---|"]
     for row in rows:
-        named = "" if row["fault"] == "none" else row["named"]
+        named = "" if row["fault"].endswith("none") else row["named"]
         out.append(f"| {row['fault']} | {row['runs']} | {row['refused']} | {named} |")
-    put_table(page, "wand-trials", out, comment)
+    put_table(page, name, out, comment)
+
+
+def main(wands, boards, times, page):
+    put_faults(wands, page, "wand-trials")
+    put_faults(boards, page, "board-trials")
     rows, comment = read_rows(times)
     out = ["| cameras | instants | time | held out | centres | wand's length |", "|---|---|---|---|---|---|"]
     for row in rows:
