@@ -18,7 +18,7 @@ namespace atrium::coherence {
 class CoherenceWatch {
 public:
     using Clock = std::chrono::steady_clock;
-    static constexpr std::chrono::seconds kJudgementPeriod{5};
+    static constexpr std::chrono::seconds kJudgementPeriod{4};
     static constexpr std::chrono::minutes kRepeat{10};
 
     explicit CoherenceWatch(std::vector<geometry::CalibratedCamera> cameras)

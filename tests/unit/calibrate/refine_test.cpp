@@ -148,6 +148,22 @@ TEST(Refine, SaysThatAPersonWhoStandsDoesNotDetermineTheCameras) {
     EXPECT_GT(refined->weakest_mm, 20.0);
 }
 
+// One instant holds twenty cameras so weakly that other poses fit the errors of its outlines.
+TEST(Refine, LeavesATrueRigWhereItIsIfThereIsOneInstant) {
+    const auto truth = true_rig(20);
+    for (std::uint64_t seed = 1; seed <= (test::kSanitized ? 2 : 6); ++seed) {
+        const test::WalkFilm walk(seed);
+        test::Filming filming{truth};
+        filming.noise_px = 1.5;
+        const auto refined = refine(truth, std::vector{walk.sight(9, filming)}, {});
+        ASSERT_TRUE(refined) << refined.error().message;
+        const Distance distance = distance_of(refined->cameras, truth);
+        EXPECT_LT(distance.most_deg, 0.3) << seed;
+        EXPECT_LT(distance.most_mm, 8.0) << seed;
+        EXPECT_GT(refined->weakest_mm, 20.0) << "it is known to be uncertain";
+    }
+}
+
 TEST(Refine, FindsFocalLengths) {
     const auto truth = true_rig();
     auto start = truth;

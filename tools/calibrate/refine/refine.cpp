@@ -1,5 +1,6 @@
 #include "tools/calibrate/refine/refine.hpp"
 
+#include "core/base/median.hpp"
 #include "core/geometry/alignment.hpp"
 #include "site_node/coherence/camera_fit.hpp"
 
@@ -28,9 +29,12 @@ constexpr double kMost_px = 20.0;
 constexpr double kLeastScale_px = 0.2;
 constexpr double kGross = 6.0;  // standard deviations
 constexpr std::size_t kLeastTangencies = 20;
-// What holds the frame, and whatever silhouettes do not show.
-constexpr double kExpectedTurn = 0.02;
-constexpr double kExpectedMove_m = 0.05;
+// What holds the frame, and whatever silhouettes do not show: cameras are expected to be off by so
+// much at most, and by no more than a few times what the errors in the pictures need. Else few
+// instants would turn and move them far, to fit the errors of their silhouettes.
+constexpr double kMostTurn = 0.02;
+constexpr double kMostMove_m = 0.05;
+constexpr double kExpected = 3.0;  // times what a standard deviation of the errors needs
 constexpr double kExpectedDilation_px = 1.0;
 constexpr double kExpectedFocal = 0.02;
 // Neighbouring tangencies have errors in common: so many count as one.
@@ -120,6 +124,7 @@ public:
         if (auto enough = check_enough(used); !enough) return tl::unexpected(enough.error());
         result.before = measure(start_, false);
         result.before.held_out = measure(start_, true).used;
+        expect_errors(used, result.before.used);
         for (int round = 0; round < kRounds; ++round) {
             const auto now = current();
             // the limits shrink as the rig becomes true
@@ -207,6 +212,20 @@ private:
         return cameras;
     }
 
+    // How far cameras may be off whose tangencies differ by `errors_px`.
+    void expect_errors(const std::vector<Tangency>& used, double errors_px) {
+        std::vector<double> by_turn, by_move;
+        for (const Tangency& t : used) {
+            for (const auto& end : t.ends) {
+                by_turn.push_back(end.by_turn.norm());
+                by_move.push_back(end.by_move.norm());
+            }
+        }
+        const double expected_px = kExpected * std::max(kLeastScale_px, errors_px);
+        expected_turn_ = std::min(kMostTurn, expected_px / std::max(1.0, median_of(by_turn)));
+        expected_move_m_ = std::min(kMostMove_m, expected_px / std::max(1.0, median_of(by_move)));
+    }
+
     // `errors_px`: the standard deviation of the tangencies.
     Expected<void> adjust(const std::vector<Tangency>& used, double errors_px) {
         const auto now = current();
@@ -237,8 +256,8 @@ private:
             const bool is_free = is_free_[c] != 0;
             constexpr std::integral_constant<int, 3> kThree;
             constexpr std::integral_constant<int, 1> kOne;
-            expect(kThree, block.turn.data(), kExpectedTurn, is_free, &stays);
-            expect(kThree, block.move.data(), kExpectedMove_m, is_free, &stays);
+            expect(kThree, block.turn.data(), expected_turn_, is_free, &stays);
+            expect(kThree, block.move.data(), expected_move_m_, is_free, &stays);
             expect(kOne, &block.dilation, kExpectedDilation_px, true, nullptr);
             expect(kOne, &block.focal, kExpectedFocal, is_free && options_.has_free_focal, nullptr);
         }
@@ -345,6 +364,7 @@ private:
     const RefineOptions& options_;
     std::vector<Block> blocks_;
     std::vector<std::uint8_t> is_free_;
+    double expected_turn_ = kMostTurn, expected_move_m_ = kMostMove_m;
 };
 
 }  // namespace
