@@ -38,30 +38,31 @@ void CoherenceWatch::settle(Judgement& judgement, Clock::time_point now) {
     if (report.verdict == Verdict::kIncoherent && !blames_one)
         found = Key(Verdict::kIncoherent, kNoCamera);
     const bool is_held = held_ && found == Key(held_->first, held_->second.camera);
-    if (found && (is_held || found == last_)) {
+    num_last_ = found == last_ ? num_last_ + 1 : 1;
+    last_ = found;
+    if (found && (is_held || num_last_ >= kInARow)) {
         if (blames_one && held_->second.camera != found->second)
             judgement.recovered = held_->second.camera;
         held_ = {report.verdict, report.fault.value_or(NamedFault{})};
         held_->second.camera = found->second;
         judgement.is_told = found != told_ || now - told_at_ >= kRepeat;
     }
-    last_ = found;
     if (judgement.is_told) {
         told_ = found;
         told_at_ = now;
     }
-    const bool is_well_now = held_ && is_well(report, held_->second.camera);
-    if (is_well_now && was_well_) {
+    num_well_ = held_ && is_well(report, held_->second.camera) ? num_well_ + 1 : 0;
+    if (num_well_ >= kInARow) {
         if (held_->second.camera != kNoCamera) judgement.recovered = held_->second.camera;
         held_.reset();
         told_.reset();
+        num_well_ = 0;
     }
-    was_well_ = is_well_now;
     if (held_) {
         report.verdict = held_->first;
         report.fault.reset();
         if (held_->second.camera != kNoCamera) report.fault = held_->second;
-    } else if (found) {  // once
+    } else if (found) {  // not often enough
         report.verdict = settled_;
         report.fault.reset();
     }

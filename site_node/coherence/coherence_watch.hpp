@@ -11,14 +11,15 @@
 
 namespace atrium::coherence {
 
-/// Decides which faults of its rig a running site tells. A fault holds from two judgements in a row
-/// that find it, until two in a row find its camera well or a fault of another one. An incoherent
+/// Decides which faults of its rig a running site tells. A fault holds from kInARow judgements in a
+/// row that find it, until as many find its camera well or a fault of another one. An incoherent
 /// rig without a camera to blame is such a fault, too, unless that of a camera holds. A fault is
 /// told when it begins, and every ten minutes. No threads; not thread-safe.
 class CoherenceWatch {
 public:
     using Clock = std::chrono::steady_clock;
-    static constexpr std::chrono::seconds kJudgementPeriod{4};
+    static constexpr std::chrono::seconds kJudgementPeriod{2};
+    static constexpr std::size_t kInARow = 3;
     static constexpr std::chrono::minutes kRepeat{10};
 
     explicit CoherenceWatch(std::vector<geometry::CalibratedCamera> cameras)
@@ -52,7 +53,8 @@ private:
     Clock::time_point told_at_{};
     std::optional<std::pair<Verdict, NamedFault>> held_;
     Verdict settled_ = Verdict::kTooLittle;
-    bool was_well_ = false;  // the camera of `held_`, at the last judgement
+    std::size_t num_last_ = 0;  // judgements in a row that found `last_`
+    std::size_t num_well_ = 0;  // judgements in a row that found the camera of `held_` well
 };
 
 }  // namespace atrium::coherence

@@ -234,7 +234,8 @@ TEST_F(CoherenceWatchOfAWalk, TellsOfABumpWithinHalfAMinuteAndOnce) {
         if (!judgement) continue;
         const Report& report = judgement->report;
         num_found += watch_.judge().fault ? 1 : 0;
-        EXPECT_EQ(report.fault.has_value(), num_found >= 2) << "one judgement is not enough";
+        EXPECT_EQ(report.fault.has_value(), num_found >= CoherenceWatch::kInARow)
+            << "not often enough";
         EXPECT_FALSE(judgement->recovered);
         if (!report.fault) continue;
         EXPECT_EQ(report.verdict, Verdict::kMoved);
@@ -242,7 +243,7 @@ TEST_F(CoherenceWatchOfAWalk, TellsOfABumpWithinHalfAMinuteAndOnce) {
         EXPECT_EQ(motion_text(*report.fault).substr(0, 11), "turned by 0");
         if (!judgement->is_told) continue;
         EXPECT_LE(i, 60u);
-        EXPECT_EQ(num_found, 2u);
+        EXPECT_EQ(num_found, CoherenceWatch::kInARow);
         ++num_told;
     }
     EXPECT_EQ(num_told, 1u);
@@ -316,7 +317,8 @@ TEST_F(CoherenceWatchOfAWalk, TellsOnceThatNoSingleCameraExplainsTheErrors) {
         const auto judgement = look();
         if (!judgement) continue;
         num_found += watch_.judge().verdict == Verdict::kIncoherent ? 1 : 0;
-        EXPECT_EQ(judgement->report.verdict == Verdict::kIncoherent, num_found >= 2);
+        EXPECT_EQ(judgement->report.verdict == Verdict::kIncoherent,
+                  num_found >= CoherenceWatch::kInARow);
         EXPECT_FALSE(judgement->report.fault);
         num_told += judgement->is_told ? 1 : 0;
     }
