@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -51,6 +52,7 @@ Expected<void> Gatherer::gather_backgrounds() {
     auto matches = match_shots(
         with_frames_, rooms_, names_, "name the folder of one empty room with --background");
     if (!matches) return make_error(matches.error().kind, "background: " + matches.error().message);
+    if (auto read = read_rooms_one_by_one(*matches); !read) return read;
     material_.backgrounds = std::move(matches->by_camera);
     for (auto& [camera, room] : material_.backgrounds) count_without_gaps(room);
     if (!material_.masks.empty()) return {};
@@ -58,6 +60,35 @@ Expected<void> Gatherer::gather_backgrounds() {
     if (auto other = check_that_rooms_differ(); !other) return other;
     report_found_rooms();
     if (!matches->missing.empty()) report_backgrounds(matches->missing);
+    return {};
+}
+
+RoomOwners Gatherer::room_owners() const {
+    RoomOwners owners{cameras_, names_};
+    for (const auto& [camera, reason] : folders_.left_out) owners.cameras.push_back(camera);
+    std::ranges::copy(folders_.walked, std::back_inserter(owners.cameras));
+    return owners;
+}
+
+// 01.jpg, 02.jpg, ... may be a picture of each camera. Where folders fit few cameras, and by their
+// numbers only, that is the likelier reading: background1f is no folder of camera 1.
+Expected<void> Gatherer::read_rooms_one_by_one(Matches& matches) {
+    if (2 * matches.by_camera.size() > with_frames_.size()) return {};
+    const RoomOwners owners = room_owners();
+    auto single = pair_single_rooms(material_, rooms_, owners);
+    if (!single) return make_error(single.error().kind, "background: " + single.error().message);
+    if (single->size() > matches.by_camera.size()) {
+        matches.by_camera = std::move(*single);
+    } else {
+        std::erase_if(matches.by_camera, [&](const auto& entry) {
+            return may_be_one_per_camera(material_, entry.second, owners);
+        });
+    }
+    matches.missing.clear();
+    std::ranges::copy_if(
+        with_frames_, std::back_inserter(matches.missing), [&](const std::string& camera) {
+            return !matches.by_camera.contains(camera);
+        });
     return {};
 }
 
@@ -103,25 +134,40 @@ void Gatherer::report_found_rooms() {
 }
 
 void Gatherer::report_backgrounds(const std::vector<std::string>& without) {
-    const std::string cure =
+    const bool is_named = !folders_.background.empty();
+    std::string missing = known(without);
+    std::string cure =
         "film the empty room with the same cameras and give its folder with --background, or give "
         "masks of the people with --masks";
+    if (material_.backgrounds.empty() && (is_named || !rooms_.empty())) {
+        missing += why_no_room_fits((is_named ? folders_.background : folders_.frames).string(),
+                                    material_,
+                                    rooms_,
+                                    room_owners());
+        if (!rooms_.empty()) cure = "give these files such names, or " + cure;
+    }
     // a video's number of pictures may be unknown
     if (fewest_ > 0 && fewest_ < kFewestToLearnFrom) {
         problem(
             fmt::format("background: no empty room of {}, and {} per camera is too few to "
                         "learn it from ({}): site_node will end with an error; {}",
-                        known(without),
+                        missing,
                         counted(fewest_, "picture"),
                         kFewestToLearnFrom,
                         cure));
         return;
     }
-    check(
-        fmt::format("background: no empty room of {}: the site learns it from the pictures with "
-                    "people, which works where people move; for better outlines {}",
-                    known(without),
-                    cure));
+    std::string text = fmt::format(
+        "background: no empty room of {}: the site learns it from the pictures with "
+        "people, which works where people move; for better outlines {}",
+        missing,
+        cure);
+    // a folder that the user names is meant to be used
+    if (is_named && material_.backgrounds.empty()) {
+        problem(std::move(text));
+    } else {
+        check(std::move(text));
+    }
 }
 
 }  // namespace atrium::calibrate

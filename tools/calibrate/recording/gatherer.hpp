@@ -2,6 +2,7 @@
 
 #include "tools/calibrate/recording/gather.hpp"
 #include "tools/calibrate/recording/instants.hpp"
+#include "tools/calibrate/recording/single_rooms.hpp"
 #include "tools/calibrate/recording/words.hpp"
 
 #include <limits>
@@ -39,6 +40,8 @@ private:
     Expected<void> gather_masks();
     Expected<void> align_masks();
     Expected<void> gather_backgrounds();
+    RoomOwners room_owners() const;
+    Expected<void> read_rooms_one_by_one(Matches& matches);
     Expected<void> check_that_rooms_differ() const;
     void report_found_rooms();
     void report_backgrounds(const std::vector<std::string>& without);
