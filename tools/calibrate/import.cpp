@@ -167,12 +167,14 @@ Expected<void> check_number(const ForeignRig& rig, const ImportOptions& options)
 }
 
 Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
+    const bool ignore_masks = options.masks == kNoMasks;
     auto material = gather(
         names_of(rig),
         {options.recording,
          options.take,
          options.background,
-         options.masks,
+         ignore_masks ? fs::path() : options.masks,
+         ignore_masks,
          options.has_rate,
          options.invert_masks,
          moved(rig),
@@ -239,8 +241,7 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
             ErrorKind::kConfiguration,
             fmt::format("{}: exists already; give another -o, or --force", rig_file.string()));
     }
-    const auto made = make_recording(
-        *material, options.output, {options.copy, options.force, options.invert_masks});
+    const auto made = make_recording(*material, options.output, {options.copy, options.force});
     if (!made) return tl::unexpected(made.error());
     const std::string text = rig_text(conclusion->rig, comments(foreign, options, *conclusion));
     if (auto written = write_text(rig_file, text, options.force); !written) {
@@ -264,8 +265,7 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
     append(report.problems, conclusion->problems);
     for (const RoomDoubt& doubt : doubt_rooms(*material))
         (doubt.is_in_most_cameras ? report.problems : report.checks).push_back(doubt.text);
-    if (auto doubt = doubt_floor(*material, conclusion->rig.cameras, options.invert_masks, said);
-        !doubt.empty())
+    if (auto doubt = doubt_floor(*material, conclusion->rig.cameras, said); !doubt.empty())
         report.checks.push_back(std::move(doubt));
     check_lenses(conclusion->rig, report.checks);
     const double rate_hz = conclusion->rig.rate_hz;

@@ -10,6 +10,9 @@
 
 namespace atrium::calibrate {
 
+/// Instead of the folder of masks: those below the recording are not used either.
+inline constexpr const char* kNoMasks = "none";
+
 struct ImportOptions {
     Files files;
     std::string format = "auto";
@@ -20,7 +23,7 @@ struct ImportOptions {
     std::filesystem::path recording;   // folder with pictures; empty: only the calibration
     std::string take;                  // pattern of names of pictures below it; empty: all
     std::filesystem::path background;  // folder with pictures of the empty room
-    std::filesystem::path masks;       // folder with masks of the people
+    std::filesystem::path masks;       // folder with masks of the people, or kNoMasks
     std::string programs;              // before names of programs: "build/bin/"; or empty
     bool copy = false;
     bool invert_masks = false;  // people are black in them

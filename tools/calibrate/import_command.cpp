@@ -86,7 +86,7 @@ void add_picture_options(CLI::App& command, ImportOptions& options) {
                     options.masks,
                     "folder with masks of the people as pictures, one per picture of each camera; "
                     "default: those below --recording with mask, silhouette, matte or seg in their "
-                    "names")
+                    "names; none: no masks, not even those")
         ->needs(recording);
     command
         .add_flag("--invert-masks",

@@ -9,7 +9,6 @@ namespace atrium::calibrate {
 
 std::string doubt_floor(const Material& material,
                         const std::vector<geometry::CalibratedCamera>& cameras,
-                        bool inverted,
                         const Said& said) {
     std::vector<std::string> texts;
     if (said.distance)
@@ -20,7 +19,6 @@ std::string doubt_floor(const Material& material,
     const bool has_heights = !said.heights.empty();
     return doubt_of_floor(material,
                           cameras,
-                          inverted,
                           {fmt::format("{}", fmt::join(texts, "; ")), has_heights},
                           has_heights ? said.heights.front().camera : std::string());
 }

@@ -12,7 +12,6 @@ namespace atrium::calibrate {
 /// measured, which may be wrong. Empty without a doubt.
 std::string doubt_floor(const Material& material,
                         const std::vector<geometry::CalibratedCamera>& cameras,
-                        bool inverted,
                         const Said& said);
 
 }  // namespace atrium::calibrate

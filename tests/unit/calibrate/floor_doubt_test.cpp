@@ -36,6 +36,7 @@ protected:
                       bool inverted = false,
                       const rig_check::Measured& measured = {}) {
         Material material;
+        material.mask_reading.inverted = inverted;
         for (const auto& camera : rig_) {
             const auto& k = camera.intrinsics;
             cv::Mat mask(k.height, k.width, CV_8UC1);
@@ -52,8 +53,7 @@ protected:
             Shots& shots = material.masks[camera.name];
             for (std::size_t i = 0; i < num_masks; ++i) shots.pictures[100 + i] = file;
         }
-        return doubt_of_floor(
-            material, rig_, inverted, measured, measured.has_heights ? "cam1" : "");
+        return doubt_of_floor(material, rig_, measured, measured.has_heights ? "cam1" : "");
     }
 
     test::Folder folder_;
@@ -95,7 +95,7 @@ TEST_F(FloorDoubt, NamesHowFarARigIsOffTheFloor) {
 TEST_F(FloorDoubt, IsSilentOnTheFloorAndAboutFewOrNoMasks) {
     EXPECT_THAT(doubt(0.0, 12), IsEmpty());
     EXPECT_THAT(doubt(-0.74, 9), IsEmpty());
-    EXPECT_THAT(doubt_of_floor({}, rig_, false), IsEmpty());
+    EXPECT_THAT(doubt_of_floor({}, rig_), IsEmpty());
 }
 
 TEST_F(FloorDoubt, IsSilentAboutMasksThatCannotBeRead) {
@@ -104,7 +104,7 @@ TEST_F(FloorDoubt, IsSilentAboutMasksThatCannotBeRead) {
     for (const auto& camera : rig_) {
         for (std::size_t i = 0; i < 12; ++i) material.masks[camera.name].pictures[i] = file;
     }
-    EXPECT_THAT(doubt_of_floor(material, rig_, false), IsEmpty());
+    EXPECT_THAT(doubt_of_floor(material, rig_), IsEmpty());
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/views/named_view.hpp"
-#include "tools/calibrate/recording/mask_checks.hpp"
+#include "tools/calibrate/recording/mask_reading.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -26,10 +26,8 @@ std::vector<Item> spread(const std::vector<Item>& items, std::size_t most) {
 
 class MaskHulls {
 public:
-    MaskHulls(const Material& material,
-              const std::vector<geometry::CalibratedCamera>& cameras,
-              bool inverted)
-        : material_(material), inverted_(inverted) {
+    MaskHulls(const Material& material, const std::vector<geometry::CalibratedCamera>& cameras)
+        : material_(material) {
         for (const auto& camera : cameras) {
             if (material.masks.contains(camera.name)) cameras_.push_back(camera);
         }
@@ -53,8 +51,8 @@ public:
         std::vector<views::NamedView> views;
         std::vector<hull::SilhouetteView> silhouettes;
         for (const auto& camera : cameras_) {
-            const auto mask =
-                read_mask(material_.masks.at(camera.name).pictures.at(number), inverted_);
+            const auto mask = read_mask(material_.masks.at(camera.name).pictures.at(number),
+                                        material_.mask_reading);
             if (!mask || mask->width != camera.intrinsics.width ||
                 mask->height != camera.intrinsics.height)
                 return;
@@ -82,7 +80,6 @@ public:
 private:
     const Material& material_;
     std::vector<geometry::CalibratedCamera> cameras_;
-    bool inverted_;
     silhouette::SilhouetteScratch silhouette_scratch_;
     std::vector<silhouette::SilhouettePolygon> polygons_;
     hull::HullScratch hull_scratch_;
@@ -92,10 +89,9 @@ private:
 
 std::string doubt_of_floor(const Material& material,
                            const std::vector<geometry::CalibratedCamera>& cameras,
-                           bool inverted,
                            const rig_check::Measured& measured,
                            const std::string& measured_camera) {
-    MaskHulls hulls(material, cameras, inverted);
+    MaskHulls hulls(material, cameras);
     const std::vector<std::size_t> instants = hulls.instants();
     if (instants.size() < rig_check::FloorCheck::kLeastInstants) return {};
     rig_check::FloorCheck check;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "tools/calibrate/recording/mask_reading.hpp"
 #include "tools/calibrate/recording/matching.hpp"
 #include "tools/calibrate/recording/shots.hpp"
 
@@ -20,6 +21,7 @@ struct PictureFolders {
     std::string take;                   // pattern of their names; empty: all
     std::filesystem::path background;   // empty: below `frames`, by name
     std::filesystem::path masks;        // empty: below `frames`, by name
+    bool ignore_masks = false;          // even those below `frames`
     bool is_rate_said = false;          // so the videos' rates decide nothing
     bool invert_masks = false;          // people are black in them
     std::vector<std::string> optional;  // cameras that moved: not missed without pictures
@@ -41,6 +43,7 @@ struct Material {
     std::map<std::string, Shots> frames;       // by camera
     std::map<std::string, Shots> backgrounds;  // by camera; may lack some
     std::map<std::string, Shots> masks;        // by camera; of all cameras with frames, or none
+    MaskReading mask_reading;                  // what their values mean
     std::size_t first_frame = 0;               // number of the first instant, in frames
     std::size_t first_mask = 0;                // the same instant, in masks
     std::size_t first_complete = 0;            // instant of the recording that all cameras show

@@ -9,7 +9,26 @@
 
 namespace atrium::calibrate {
 
+// The way on where masks that nobody named are not as they must be.
+std::string Gatherer::without_masks() const {
+    if (!folders_.masks.empty()) return {};
+    return "; to import without masks, say --masks none";
+}
+
 Expected<void> Gatherer::gather_masks() {
+    if (folders_.ignore_masks && !masks_.empty()) {
+        tell(fmt::format("masks: '{}'{} not used, as you say",
+                         masks_.front().label,
+                         masks_.size() > 1 ? " and others are" : " is"));
+        masks_.clear();
+    }
+    auto done = find_masks();
+    if (done && !material_.masks.empty()) done = check_masks();
+    if (done || masks_.empty()) return done;
+    return make_error(done.error().kind, done.error().message + without_masks());
+}
+
+Expected<void> Gatherer::find_masks() {
     const bool is_named = !folders_.masks.empty();
     if (is_named) {
         auto named = find_shots(folders_.masks);
@@ -43,18 +62,38 @@ Expected<void> Gatherer::gather_masks() {
             where,
             known(matches->missing));
         if (is_named) return make_error(ErrorKind::kConfiguration, text);
-        problem(text);
+        problem(text + without_masks());
         return {};
     }
     material_.masks = std::move(matches->by_camera);
+    return {};
+}
+
+Expected<void> Gatherer::check_masks() {
     count_by_one(material_.masks, numbering_);
     for (const auto& [camera, shots] : material_.masks)
         report_truncated(camera + "', masks", doubt_of_truncation(shots));
     if (auto fitting = check_mask_sizes(material_); !fitting) return fitting;
-    if (auto right = check_mask_values(material_, folders_.invert_masks); !right) return right;
-    if (std::string doubt = doubt_of_empty_masks(material_, folders_.invert_masks); !doubt.empty())
-        problem(std::move(doubt));
+    read_labels();
+    if (auto right = check_mask_values(material_); !right) return right;
+    if (const std::string doubt = doubt_of_empty_masks(material_); !doubt.empty())
+        problem(doubt + without_masks());
     return align_masks();
+}
+
+// All masks are read in the way that these few show.
+void Gatherer::read_labels() {
+    constexpr std::size_t kMostMasks = 48;
+    const std::size_t most = std::max<std::size_t>(kMostMasks / material_.masks.size(), 1);
+    const MaskLabels found = find_labels(some_masks(material_, most));
+    material_.mask_reading = {found.are_labels, folders_.invert_masks};
+    if (!found.are_labels) return;
+    tell(
+        fmt::format("masks: labels of people or of parts of the body ({} {}): all but {} are "
+                    "people, and the recording gets plain masks",
+                    found.num_labels,
+                    found.have_palette ? "in a palette" : "numbers or colours",
+                    found.have_palette ? "the palette's first colour" : "0"));
 }
 
 // Masks usually have the numbers of their pictures; else the first mask is that of the first one.
@@ -119,8 +158,9 @@ Expected<void> Gatherer::align_masks() {
     if (num_without > 0) {
         problem(
             fmt::format("masks: pictures without a mask: {}; the site leaves these instants "
-                        "out: make all masks, or remove these pictures",
-                        without));
+                        "out: make all masks, or remove these pictures{}",
+                        without,
+                        without_masks()));
     }
     return {};
 }

@@ -38,6 +38,10 @@ private:
     Expected<void> compare_numbers();
     void report_truncated(const std::string& camera, const std::string& doubt);
     Expected<void> gather_masks();
+    Expected<void> find_masks();
+    Expected<void> check_masks();
+    void read_labels();
+    std::string without_masks() const;
     Expected<void> align_masks();
     Expected<void> gather_backgrounds();
     RoomOwners room_owners() const;

@@ -2,7 +2,7 @@
 
 #include "core/base/write_check.hpp"
 #include "site_node/capture/mask_file.hpp"
-#include "tools/calibrate/recording/mask_checks.hpp"
+#include "tools/calibrate/recording/mask_reading.hpp"
 
 #include <fmt/format.h>
 
@@ -34,7 +34,8 @@ std::string recorded_suffix(const fs::path& file, bool is_video) {
 
 class Maker {
 public:
-    explicit Maker(const MakeOptions& options) : options_(options) {}
+    Maker(const MakeOptions& options, const MaskReading& reading)
+        : options_(options), reading_(reading) {}
 
     Expected<void> place(const Shots& shots,
                          const fs::path& folder,
@@ -51,12 +52,12 @@ public:
             if (number < first_number) continue;  // a mask before the first picture
             const std::string target =
                 fmt::format("{:06}{}", number - first_number, recorded_suffix(file, false));
-            const bool is_inverted = options_.invert_masks && name == "silhouettes";
+            const bool is_rewritten = name == "silhouettes" && !reading_.is_of_site();
             // a copy has a name of its own format
             const auto done =
-                is_inverted ? put_inverted(
-                                  file, capture::numbered_png(folder / name, number - first_number))
-                            : put(file, folder / name / target);
+                is_rewritten
+                    ? put_plain(file, capture::numbered_png(folder / name, number - first_number))
+                    : put(file, folder / name / target);
             if (!done) return done;
         }
         return {};
@@ -123,14 +124,15 @@ private:
         return {};
     }
 
-    Expected<void> put_inverted(const fs::path& source, const fs::path& target) {
-        const auto mask = read_mask(source, true);
+    Expected<void> put_plain(const fs::path& source, const fs::path& target) {
+        const auto mask = read_mask(source, reading_);
         if (!mask) return tl::unexpected(mask.error());
         made_.push_back(target);
         return capture::write_mask(*mask, target);
     }
 
     const MakeOptions& options_;
+    const MaskReading& reading_;
     std::vector<fs::path> made_;
 };
 
@@ -173,7 +175,7 @@ void remove_made(const std::vector<fs::path>& made) {
 Expected<std::vector<fs::path>> make_recording(const Material& material,
                                                const fs::path& output,
                                                const MakeOptions& options) {
-    Maker maker(options);
+    Maker maker(options, material.mask_reading);
     std::vector<fs::path> old{output / "rig.toml"};
     for (const auto& [camera, shots] : material.frames) {
         if (auto right = check_numbers(camera, shots, material.first_frame); !right)

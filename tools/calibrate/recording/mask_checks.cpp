@@ -2,13 +2,13 @@
 
 #include "site_node/capture/mask_file.hpp"
 #include "site_node/capture/mask_values.hpp"
-#include "site_node/capture/picture_file.hpp"
 #include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
+#include <cstdint>
 
 namespace atrium::calibrate {
 
@@ -121,14 +121,18 @@ Expected<void> check_background_sizes(const Material& material) {
                                   first));
 }
 
-Expected<image::Mask> read_mask(const std::filesystem::path& file, bool inverted) {
-    image::Mask mask;
-    auto picture = capture::PictureFile::of(file);
-    if (auto read = picture.read_mask(0, mask); !read) return tl::unexpected(read.error());
-    if (inverted) {
-        for (std::uint8_t& value : mask.data) value = value == 0 ? 255 : 0;
+std::vector<std::filesystem::path> some_masks(const Material& material, std::size_t most) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& [camera, shots] : material.masks) {
+        std::size_t at = 0;
+        std::size_t num_of_camera = 0;
+        for (const auto& [number, file] : shots.pictures) {
+            if (at++ * most < num_of_camera * shots.pictures.size()) continue;
+            ++num_of_camera;
+            files.push_back(file);
+        }
     }
-    return mask;
+    return files;
 }
 
 namespace {
@@ -138,6 +142,14 @@ Expected<void> check_colours(const Material& material) {
         const std::string file = shots.pictures.begin()->second.string();
         const cv::Mat picture = cv::imread(file, cv::IMREAD_UNCHANGED);
         if (!capture::is_in_colours(picture)) continue;
+        if (const std::string reason = why_no_labels(file); !reason.empty()) {
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format("masks: {} has a palette, but is no mask of numbers: {}. Write masks "
+                            "with people in white on black, or with 0 as the background",
+                            file,
+                            reason));
+        }
         return make_error(
             ErrorKind::kConfiguration,
             fmt::format("masks: {} is a picture in colours, not a mask: people must be white on "
@@ -150,10 +162,13 @@ Expected<void> check_colours(const Material& material) {
 
 }  // namespace
 
-Expected<void> check_mask_values(const Material& material, bool inverted) {
-    if (auto right = check_colours(material); !right) return right;
+Expected<void> check_mask_values(const Material& material) {
+    const MaskReading& reading = material.mask_reading;
+    if (!reading.labels) {
+        if (auto right = check_colours(material); !right) return right;
+    }
     for (const auto& [camera, shots] : material.masks) {
-        const auto mask = read_mask(shots.pictures.begin()->second, inverted);
+        const auto mask = read_mask(shots.pictures.begin()->second, reading);
         if (!mask) return tl::unexpected(mask.error());
         // one camera may be close to somebody, all of them cannot
         if (!capture::looks_inverted(*mask)) return {};
@@ -162,36 +177,30 @@ Expected<void> check_mask_values(const Material& material, bool inverted) {
     const std::string example = material.masks.begin()->second.pictures.begin()->second.string();
     return make_error(
         ErrorKind::kConfiguration,
-        inverted ? fmt::format("masks: people are white already, as they must be (for example {}): "
-                               "leave --invert-masks out, and import again",
-                               example)
-                 : fmt::format("masks: they look inverted (for example {}): white covers the "
-                               "borders of the pictures, but people must be white: say "
-                               "--invert-masks, and import again",
-                               example));
+        reading.inverted
+            ? fmt::format("masks: people are white already, as they must be (for example {}): "
+                          "leave --invert-masks out, and import again",
+                          example)
+            : fmt::format("masks: they look inverted (for example {}): white covers the "
+                          "borders of the pictures, but people must be white: say "
+                          "--invert-masks, and import again",
+                          example));
 }
 
-std::string doubt_of_empty_masks(const Material& material, bool inverted) {
+std::string doubt_of_empty_masks(const Material& material) {
     constexpr std::size_t kMostMasks = 6;
     std::size_t num_read = 0;
-    for (const auto& [camera, shots] : material.masks) {
-        std::size_t at = 0;
-        std::size_t num_of_camera = 0;
-        for (const auto& [number, file] : shots.pictures) {
-            // spread over all
-            if (at++ * kMostMasks < num_of_camera * shots.pictures.size()) continue;
-            ++num_of_camera;
-            const auto mask = read_mask(file, inverted);
-            if (!mask) continue;  // told elsewhere
-            ++num_read;
-            if (std::ranges::find(mask->data, std::uint8_t{255}) != mask->data.end()) return {};
-        }
+    for (const std::filesystem::path& file : some_masks(material, kMostMasks)) {
+        const auto mask = read_mask(file, material.mask_reading);
+        if (!mask) continue;  // told elsewhere
+        ++num_read;
+        if (std::ranges::find(mask->data, std::uint8_t{255}) != mask->data.end()) return {};
     }
     if (num_read == 0) return {};
     return fmt::format(
         "masks: none of {} that were looked at shows anybody (for example {}): people must be "
         "brighter than half of the largest value, or have another number than 0 where a mask has "
-        "at most eight (docs/backgrounds.md)",
+        "at most eight, or at most 64 with 0 along most of the border (docs/backgrounds.md)",
         num_read,
         material.masks.begin()->second.pictures.begin()->second.string());
 }
