@@ -30,9 +30,10 @@ void doubt_soft_start(const WorldDescription& world,
         const physics::RigidObject rigid = to_rigid(object);
         if (!may_be_in(around, rigid)) continue;
         const double depth_m = physics::overlap_m(soft.object, rigid);
-        // wholly inside, it touches no node
-        const double inside_m =
-            rigid.shape == physics::ObjectShape::kPlane ? 0.0 : physics::depth_m(rigid, surface);
+        // wholly inside, it touches no node; a cloth has no inside
+        const bool is_open = soft.object.shape == physics::SoftShape::kCloth ||
+                             rigid.shape == physics::ObjectShape::kPlane;
+        const double inside_m = is_open ? 0.0 : physics::depth_m(rigid, surface);
         if (depth_m <= kDeepSoft_m && inside_m > kDeepSoft_m) {
             lines.push_back(fmt::format(
                 "soft_looks_wrong name={} reason=\"{} starts {:.2f} m inside it, and may stay "

@@ -50,6 +50,28 @@ TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAMovingOne) {
                                       "inside it, and may stay there")));
 }
 
+// As a world is saved in which a ball rests on a trampoline.
+TEST_F(WorldDoubts, LetABallRestInTheDentOfACloth) {
+    std::string nodes;
+    for (int z = 0; z < 9; ++z) {
+        for (int x = 0; x < 9; ++x) {
+            const double at_x = 0.125 * (x - 4), at_y = 0.125 * (z - 4);
+            const double deep_m = 0.45 * std::exp(-12.0 * (at_x * at_x + at_y * at_y));
+            nodes += (nodes.empty() ? "" : ", ") + std::to_string(at_x) + ", " +
+                     std::to_string(at_y) + ", " + std::to_string(1.0 - deep_m);
+        }
+    }
+    const std::string cloth =
+        "[[soft]]\nname = \"trampoline\"\nshape = \"cloth\"\nsize_m = [1.0, 1.0]\n"
+        "spacing_m = 0.125\nposition_m = [0, 0, 1]\nroll_pitch_yaw_deg = [90, 0, 0]\n"
+        "mass_kg = 0.5\npins = [\"corners\"]\nnodes_m = [" +
+        nodes + "]\n";
+    const std::string ball =
+        "[[object]]\nname = \"ball\"\nshape = \"sphere\"\ndiameter_m = 0.2\nmass_kg = 1\n"
+        "position_m = [0, 0, 0.67]\n";
+    EXPECT_THAT(doubts(kFloor + cloth + ball), IsEmpty());
+}
+
 TEST_F(WorldDoubts, NameATieFarFromItsObject) {
     const auto rope = [](double end_m) {
         return kFloor + box("b", 1, "position_m = [0, 0, 1]") +

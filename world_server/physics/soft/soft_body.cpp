@@ -44,11 +44,10 @@ SoftBody::SoftBody(const SoftObject& object, btSoftBodyWorldInfo& info, const Wo
     }
     make_body(info);
     make_samples();
-    if (!object.start_nodes.empty()) {  // only now: lengths and volume are those of the rest shape
-        for (std::size_t i = 0; i < start_.size(); ++i)
-            start_[i] = to_bullet(start_of_node(object_, mesh_, i));
-        reset_to_start();
-    }
+    // only now: lengths and volume are those of the rest shape
+    for (std::size_t i = 0; i < start_.size(); ++i)
+        start_[i] = to_bullet(start_of_node(object_, mesh_, i));
+    reset_to_start();
     rest_extent_ = (body_->m_bounds[1] - body_->m_bounds[0]).length();
     if (object.shape == SoftShape::kRope) rest_extent_ = btScalar(object.size_m.x());
 }

@@ -13,6 +13,8 @@ namespace {
 using Index = std::uint32_t;
 using Triangle = std::array<Index, 3>;
 
+constexpr double kUneven_m = 0.0001;
+
 Index num_cuts(double extent_m, double spacing_m) {
     return static_cast<Index>(std::max(1L, std::lround(extent_m / spacing_m)));
 }
@@ -305,6 +307,17 @@ SoftMesh make_soft_mesh(const SoftObject& object) {
     if (mesh.links.empty()) link_edges(mesh);
     share_mass(mesh);
     return mesh;
+}
+
+Eigen::Vector3d start_of_node(const SoftObject& object, const SoftMesh& mesh, std::size_t node) {
+    if (!object.start_nodes.empty()) return object.start_nodes[node].cast<double>();
+    Eigen::Vector3d place_m = mesh.nodes[node];
+    if (object.shape == SoftShape::kCloth) {
+        // waves that repeat nowhere on the cloth, so that folds of any size find a beginning
+        const double u = place_m.x() / object.size_m.x(), v = place_m.z() / object.size_m.y();
+        place_m.y() += kUneven_m * (std::sin(7.1 * u + 0.4) + std::sin(11.3 * v - 3.7 * u + 1.1));
+    }
+    return object.world_from_object * place_m;
 }
 
 std::vector<std::uint32_t> nodes_at(const SoftMesh& mesh,

@@ -30,13 +30,9 @@ std::size_t count_soft_nodes(const SoftObject& object);
 /// Creates the nodes and links. `find_problem(object)` must be empty. Deterministic.
 SoftMesh make_soft_mesh(const SoftObject& object);
 
-/// Where a node starts [m], in the world.
-inline Eigen::Vector3d start_of_node(const SoftObject& object,
-                                     const SoftMesh& mesh,
-                                     std::size_t node) {
-    if (!object.start_nodes.empty()) return object.start_nodes[node].cast<double>();
-    return object.world_from_object * mesh.nodes[node];
-}
+/// Where a node starts [m], in the world. A cloth is not quite flat: a flat one that is held along
+/// its side would stand out like a board, because nothing begins to fold it.
+Eigen::Vector3d start_of_node(const SoftObject& object, const SoftMesh& mesh, std::size_t node);
 
 /// Returns the nodes of a pin as ascending indices into `mesh.nodes`.
 std::vector<std::uint32_t> nodes_at(const SoftMesh& mesh,
