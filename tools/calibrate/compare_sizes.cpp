@@ -78,7 +78,7 @@ tl::unexpected<Error> turned(const std::vector<const ForeignCamera*>& cameras,
 Expected<void> compare(ForeignCamera& camera, const Look& look, const Said& said) {
     const bool is_unknown = camera.lens.width == 0 || camera.lens.height == 0;
     if (camera.lens.width == look.width && camera.lens.height == look.height) return {};
-    if (!is_unknown && !said.size) {
+    if (!is_unknown && !said.size && !said.calibrated_size) {
         return make_error(
             ErrorKind::kConfiguration,
             fmt::format("camera '{0}': calibrated at {1}x{2} px, but its pictures have {3}x{4} px; "
@@ -92,7 +92,9 @@ Expected<void> compare(ForeignCamera& camera, const Look& look, const Said& said
     if (said.size && *said.size != std::array{look.width, look.height}) {
         return make_error(
             ErrorKind::kConfiguration,
-            fmt::format("--size says {}x{}, but the pictures of camera '{}' have {}x{} px",
+            fmt::format("--size says {0}x{1}, but the pictures of camera '{2}' have {3}x{4} px; if "
+                        "the cameras were calibrated at {0}x{1} px, say --calibrated-size {0}x{1} "
+                        "instead",
                         (*said.size)[0],
                         (*said.size)[1],
                         camera.known_name(),

@@ -27,8 +27,9 @@ struct Said {
         std::string camera;
         double metres = 0.0;
     };
-    std::vector<Height> heights;             // of cameras above the floor
-    std::optional<std::array<int, 2>> size;  // of the pictures: width, height
+    std::vector<Height> heights;                        // of cameras above the floor
+    std::optional<std::array<int, 2>> size;             // of the pictures: width, height
+    std::optional<std::array<int, 2>> calibrated_size;  // of the pictures of the calibration
     double rate_hz = 30.0;
 };
 

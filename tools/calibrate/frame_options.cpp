@@ -35,12 +35,12 @@ std::string hint_of_comma(const std::string& text) {
     return word.empty() ? std::string() : "; write a decimal point: " + with_points(word);
 }
 
-std::array<int, 2> parse_size(const std::string& text) {
+std::array<int, 2> parse_size(const std::string& text, const char* option) {
     const std::size_t x = text.find('x');
     const auto width = parse_number(text.substr(0, x), 16, 8192);
     const auto height = parse_number(x == std::string::npos ? "" : text.substr(x + 1), 16, 8192);
     if (!width || !height)
-        throw CLI::ValidationError("--size", "must be WIDTHxHEIGHT, 16 to 8192 px, got " + text);
+        throw CLI::ValidationError(option, "must be WIDTHxHEIGHT, 16 to 8192 px, got " + text);
     return {static_cast<int>(*width), static_cast<int>(*height)};
 }
 

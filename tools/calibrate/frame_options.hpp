@@ -18,8 +18,8 @@ std::optional<double> parse_number(const std::string& text, double low, double h
 /// "3,18" may be 3.18: what to write instead. Empty if the text has no decimal comma.
 std::string hint_of_comma(const std::string& text);
 
-/// Width and height of "WIDTHxHEIGHT". Throws CLI::ValidationError.
-std::array<int, 2> parse_size(const std::string& text);
+/// Width and height of "WIDTHxHEIGHT". Throws CLI::ValidationError, which names `option`.
+std::array<int, 2> parse_size(const std::string& text, const char* option = "--size");
 
 /// `--up`
 void add_up_option(CLI::App& command, Said& said);

@@ -5,6 +5,7 @@
 #include "site_node/rig_check/rig_geometry.hpp"
 #include "tools/calibrate/compare_sizes.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
+#include "tools/calibrate/judge/other_size.hpp"
 #include "tools/calibrate/recording/make_recording.hpp"
 #include "tools/calibrate/recording/room_checks.hpp"
 #include "tools/calibrate/recording/words.hpp"
@@ -13,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -116,16 +118,61 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
     to.insert(to.end(), from.begin(), from.end());
 }
 
+std::string size_text(const std::array<int, 2>& size) {
+    return fmt::format("{}x{}", size[0], size[1]);
+}
+
+// The calibration was made for pictures of another size, which fits no silhouette.
+std::string problem_of(const OtherSize& other, const config::Rig& rig) {
+    const geometry::PinholeCamera& lens = rig.cameras.front().intrinsics;
+    const std::string points =
+        fmt::format("lens: the principal points of {} of {} cameras lie in the middle of pictures",
+                    other.num_agreeing,
+                    rig.cameras.size());
+    constexpr const char* kSo =
+        "so the cameras were probably calibrated at another size, and people will be missing or "
+        "broken; ";
+    if (!other.size) {
+        return fmt::format(
+            "{} about {:.3g} times as large as yours, {}divide fx, fy, cx and cy of the "
+            "calibration by that number",
+            points,
+            other.factor,
+            kSo);
+    }
+    return fmt::format(
+        "{0} of about {1} px, but yours have {2} px, {3}if yours were scaled from {1} px, say "
+        "--calibrated-size {1}, else give the size from which they were scaled",
+        points,
+        size_text(*other.size),
+        size_text({lens.width, lens.height}),
+        kSo);
+}
+
 // Usually it is the same with all cameras.
-void check_lenses(const config::Rig& rig, std::vector<std::string>& checks) {
+void check_lenses(const config::Rig& rig, ImportReport& report) {
+    const auto other = find_other_size(rig.cameras);
+    if (other) report.problems.push_back(problem_of(*other, rig));
     std::vector<std::string> doubts;
-    for (const auto& camera : rig.cameras)
-        for (const auto& finding : rig_check::check_lens(camera)) doubts.push_back(finding.text);
+    for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+        if (other && other->agrees[i]) continue;
+        for (const auto& finding : rig_check::check_lens(rig.cameras[i]))
+            doubts.push_back(finding.text);
+    }
     if (doubts.empty()) return;
-    checks.push_back("lens: " + doubts.front() +
-                     (doubts.size() == 1
-                          ? std::string()
-                          : fmt::format("; and {} more like it", doubts.size() - 1)));
+    report.checks.push_back("lens: " + doubts.front() +
+                            (doubts.size() == 1
+                                 ? std::string()
+                                 : fmt::format("; and {} more like it", doubts.size() - 1)));
+}
+
+// The user knows better than the file.
+void set_calibrated_size(ForeignRig& rig, const Said& said) {
+    if (!said.calibrated_size) return;
+    for (ForeignCamera& camera : rig.cameras) {
+        camera.lens.width = (*said.calibrated_size)[0];
+        camera.lens.height = (*said.calibrated_size)[1];
+    }
 }
 
 std::vector<std::string> next_commands(const ImportOptions& options) {
@@ -267,7 +314,7 @@ Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions
         (doubt.is_in_most_cameras ? report.problems : report.checks).push_back(doubt.text);
     if (auto doubt = doubt_floor(*material, conclusion->rig.cameras, said); !doubt.empty())
         report.checks.push_back(std::move(doubt));
-    check_lenses(conclusion->rig, report.checks);
+    check_lenses(conclusion->rig, report);
     const double rate_hz = conclusion->rig.rate_hz;
     if (!options.has_rate && material->rate_hz > 0.0)
         report.told.push_back(fmt::format("rate: {:.4g} Hz, as the {} say",
@@ -300,6 +347,7 @@ Expected<ImportReport> import(const ImportOptions& options) {
     if (!files) return tl::unexpected(files.error());
     auto foreign = read_foreign(*files, options.format, options.cameras);
     if (!foreign) return tl::unexpected(foreign.error());
+    set_calibrated_size(*foreign, options.said);
     if (!options.recording.empty()) return import_recording(*foreign, options);
     drop_markers(*foreign);
     if (auto counted = check_number(*foreign, options); !counted)
@@ -314,7 +362,7 @@ Expected<ImportReport> import(const ImportOptions& options) {
     if (!checked) return tl::unexpected(checked.error());
     ImportReport report{
         conclusion->told, conclusion->checks, conclusion->problems, next_commands(options)};
-    check_lenses(conclusion->rig, report.checks);
+    check_lenses(conclusion->rig, report);
     return report;
 }
 

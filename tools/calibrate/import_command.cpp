@@ -51,6 +51,15 @@ void add_picture_options(CLI::App& command, ImportOptions& options) {
         ->type_name("WIDTHxHEIGHT");
     command
         .add_option_function<std::string>(
+            "--calibrated-size",
+            [&said](const std::string& text) {
+                said.calibrated_size = parse_size(text, "--calibrated-size");
+            },
+            "size in pixels of the pictures from which the cameras were calibrated, if the file "
+            "says none or a wrong one; for other pictures the lenses are scaled")
+        ->type_name("WIDTHxHEIGHT");
+    command
+        .add_option_function<std::string>(
             "--rate",
             [&options](const std::string& text) {
                 const auto rate_hz = parse_number(text, 0.1, 1000.0);

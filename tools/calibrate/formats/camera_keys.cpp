@@ -93,6 +93,24 @@ void set_size(Found& camera, const Tree& tree, const std::string& suffix) {
     set(camera.size, find_with(tree, kSize, suffix));
 }
 
+bool has_size(const Found& camera) {
+    return camera.size != nullptr || (camera.width != nullptr && camera.height != nullptr);
+}
+// Whether the size in this map is one of pictures, not that of a board.
+bool has_picture_size(const Tree& map) {
+    const auto is_side = [](const std::optional<double>& value) {
+        return value && *value >= 16.0 && *value <= 8192.0;
+    };
+    if (const Tree* size = find(map, kSize)) {
+        const auto sides = numbers(*size);
+        return sides && sides->size() == 2 && is_side((*sides)[0]) && is_side((*sides)[1]);
+    }
+    const Tree* width = find(map, kWidth);
+    const Tree* height = find(map, kHeight);
+    return width != nullptr && height != nullptr && is_side(number(*width)) &&
+           is_side(number(*height));
+}
+
 bool has_focal(const Tree& map) {
     return std::ranges::all_of(kFocal, [&](const Keys keys) {
         const Tree* value = find(map, keys);
@@ -158,6 +176,7 @@ Expected<void> CameraKeys::add(const Tree& tree,
                                const std::string& name) {
     where_ = file.string();
     found_some_ = false;
+    of_all_ = has_picture_size(tree) ? &tree : nullptr;
     const bool is_stereo = find_with(tree, kMatrix, "1") != nullptr;
     has_stereo_ = has_stereo_ || is_stereo;
     const bool is_stereo_pose =
@@ -202,6 +221,7 @@ void CameraKeys::add_keys(const Tree& tree, const std::string& suffix, const std
     set_pose(camera, tree, suffix);
     set(camera.model, find_with(tree, kModel, suffix));
     set_size(camera, tree, suffix);
+    if (!has_size(camera) && of_all_ != nullptr) set_size(camera, *of_all_, "");
     camera.where = where_;
     found_some_ = true;
 }

@@ -77,7 +77,8 @@ private:
     std::set<std::string> words_;
     std::map<std::string, Found> cameras_;
     std::string where_;
-    bool found_some_ = false;  // in this file
+    const Tree* of_all_ = nullptr;  // the file, if it has a picture size at its top
+    bool found_some_ = false;       // in this file
     bool has_stereo_ = false;
     Tree no_rotation_ = {0.0, 0.0, 0.0};
 };
