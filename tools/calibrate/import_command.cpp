@@ -23,13 +23,15 @@ void add_frame_options(CLI::App& command, Said& said) {
             [&said](const std::string& word) {
                 said.pose = word == "camera_from_site"   ? Reading::Pose::kCameraFromSite
                             : word == "site_from_camera" ? Reading::Pose::kSiteFromCamera
+                            : word == "transposed"       ? Reading::Pose::kTransposed
                                                          : Reading::Pose::kRotationAndPosition;
             },
             "what rotation R and translation t of the file do. camera_from_site: R * p + t takes a "
             "point p of the room to the camera; site_from_camera: from the camera to the room; "
             "position: t is where the camera stands, and R turns the room into the camera; "
+            "transposed: camera_from_site with the transpose of R, as MATLAB's RotationMatrix; "
             "default: found out")
-        ->check(CLI::IsMember({"camera_from_site", "site_from_camera", "position"}));
+        ->check(CLI::IsMember({"camera_from_site", "site_from_camera", "position", "transposed"}));
     command
         .add_option_function<std::string>(
             "--axes",

@@ -16,11 +16,28 @@
 namespace atrium::calibrate {
 namespace {
 
+// Programs that multiply rows with matrices, as MATLAB, write them transposed: K ends with the row
+// cx, cy, 1, and a pose with the row tx, ty, tz, 1.
+bool is_transposed(const std::vector<double>& m, std::size_t size) {
+    if (m.size() != size * size || m.back() != 1.0) return false;
+    bool has_last_row = false;
+    for (std::size_t i = 0; i + 1 < size; ++i) {
+        if (m[size * i + size - 1] != 0.0) return false;
+        has_last_row = has_last_row || m[size * (size - 1) + i] != 0.0;
+    }
+    return has_last_row && (size != 3 || m[1] == 0.0);
+}
+void transpose(std::vector<double>& m, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i)
+        for (std::size_t k = 0; k < i; ++k) std::swap(m[size * i + k], m[size * k + i]);
+}
+
 std::optional<ForeignPose> pose_of(const Found& found) {
     std::vector<double> rotation;
     std::vector<double> translation;
     if (found.pose != nullptr) {
-        const auto m = numbers(*found.pose);
+        auto m = numbers(*found.pose);
+        if (m && is_transposed(*m, 4)) transpose(*m, 4);
         if (!m || (m->size() != 12 && m->size() != 16)) return std::nullopt;
         for (const std::size_t i : {0, 1, 2, 4, 5, 6, 8, 9, 10}) rotation.push_back((*m)[i]);
         for (const std::size_t i : {3, 7, 11}) translation.push_back((*m)[i]);
@@ -95,7 +112,8 @@ bool is_height_first(const LensNumbers& lens) {
 Expected<ForeignCamera> camera_of(const std::string& name,
                                   const Found& found,
                                   std::vector<std::string>& notes,
-                                  std::vector<std::string>& height_first) {
+                                  std::vector<std::string>& height_first,
+                                  std::vector<std::string>& transposed) {
     ForeignCamera camera;
     camera.name = name;
     const auto wrong = [&](const std::string& what) {
@@ -109,6 +127,10 @@ Expected<ForeignCamera> camera_of(const std::string& name,
                 lens.matrix.push_back(*number(*find(*found.focal, keys)));
         } else if (const auto matrix = numbers(*found.matrix)) {
             lens.matrix = *matrix;
+            if (is_transposed(lens.matrix, 3)) {
+                transpose(lens.matrix, 3);
+                transposed.push_back(name);
+            }
         } else {
             return wrong("its camera matrix must be finite numbers");
         }
@@ -202,12 +224,13 @@ Expected<ForeignRig> read_opencv(const Files& files) {
     }
     collector.finish();
     std::vector<std::string> height_first;
+    std::vector<std::string> transposed;
     std::optional<Error> failure;
     rig.has_matrix_poses = std::ranges::all_of(
         collector.cameras(), [](const auto& camera) { return camera.second.pose != nullptr; });
     rig.documented.pose = common_meaning(collector.cameras());
     for (const auto& [name, found] : collector.cameras()) {
-        auto camera = camera_of(name, found, rig.notes, height_first);
+        auto camera = camera_of(name, found, rig.notes, height_first, transposed);
         if (!camera && !failure) failure = camera.error();
         if (camera) rig.cameras.push_back(std::move(*camera));
     }
@@ -222,6 +245,12 @@ Expected<ForeignRig> read_opencv(const Files& files) {
             "lens: the calibration gives no distortion of {}: right for undistorted pictures. If "
             "straight edges are bent in the pictures, calibrate with distortion",
             fmt::join(undistorted, ", ")));
+    }
+    if (!transposed.empty()) {
+        rig.notes.push_back(
+            fmt::format("lens: the camera matrix of {} is transposed, as MATLAB writes it, and is "
+                        "read so",
+                        fmt::join(transposed, ", ")));
     }
     if (!height_first.empty()) {
         rig.checks.push_back(fmt::format(

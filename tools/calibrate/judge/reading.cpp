@@ -11,7 +11,8 @@ geometry::RigidTransform half_turn() {
 }  // namespace
 
 geometry::RigidTransform camera_from_site(const ForeignPose& pose, const Reading& reading) {
-    const Eigen::Quaterniond rotation = Eigen::Quaterniond(pose.rotation).normalized();
+    Eigen::Quaterniond rotation = Eigen::Quaterniond(pose.rotation).normalized();
+    if (reading.pose == Reading::Pose::kTransposed) rotation = rotation.conjugate();
     geometry::RigidTransform result{rotation, pose.vector};
     if (reading.pose == Reading::Pose::kSiteFromCamera) result = result.inverse();
     if (reading.pose == Reading::Pose::kRotationAndPosition)
@@ -39,6 +40,8 @@ std::string describe(const Reading& reading) {
     switch (reading.pose) {
         case Reading::Pose::kCameraFromSite:
             text = "camera_from_site (p_camera = R p_site + t)";
+        case Reading::Pose::kTransposed:
+            return {inverse.rotation.toRotationMatrix(), ours.translation};
             break;
         case Reading::Pose::kSiteFromCamera:
             text = "site_from_camera (p_site = R p_camera + t)";
@@ -55,6 +58,11 @@ const char* option_of(const Reading& reading) {
     switch (reading.pose) {
         case Reading::Pose::kCameraFromSite:
             return reading.opengl ? "--direction camera_from_site --axes opengl"
+        case Reading::Pose::kTransposed:
+            text =
+                "camera_from_site with a transposed rotation, as of MATLAB (p_camera = R^T "
+                "p_site + t)";
+            break;
                                   : "--direction camera_from_site --axes opencv";
         case Reading::Pose::kSiteFromCamera:
             return reading.opengl ? "--direction site_from_camera --axes opengl"
@@ -67,3 +75,6 @@ const char* option_of(const Reading& reading) {
 }
 
 }  // namespace atrium::calibrate
+        case Reading::Pose::kTransposed:
+            return reading.opengl ? "--direction transposed --axes opengl"
+                                  : "--direction transposed --axes opencv";

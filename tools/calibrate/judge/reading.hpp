@@ -22,6 +22,8 @@ struct Reading {
         kCameraFromSite,       // p_camera = rotation * p_site + vector
         kSiteFromCamera,       // p_site = rotation * p_camera + vector
         kRotationAndPosition,  // p_camera = rotation * (p_site - vector)
+        /// p_camera = rotation^T * p_site + vector: MATLAB's matrices are for row vectors
+        kTransposed,
     };
     Pose pose = Pose::kCameraFromSite;
     /// The cameras look along their -Z with +Y up, as in OpenGL, not along +Z with +Y down.
@@ -30,12 +32,13 @@ struct Reading {
     bool operator==(const Reading&) const = default;
 };
 
-inline constexpr std::array<Reading, 6> kReadings{{{Reading::Pose::kCameraFromSite, false},
+inline constexpr std::array<Reading, 7> kReadings{{{Reading::Pose::kCameraFromSite, false},
                                                    {Reading::Pose::kSiteFromCamera, false},
                                                    {Reading::Pose::kRotationAndPosition, false},
                                                    {Reading::Pose::kCameraFromSite, true},
                                                    {Reading::Pose::kSiteFromCamera, true},
-                                                   {Reading::Pose::kRotationAndPosition, true}}};
+                                                   {Reading::Pose::kRotationAndPosition, true},
+                                                   {Reading::Pose::kTransposed, false}}};
 
 /// `pose.rotation` must be a rotation.
 geometry::RigidTransform camera_from_site(const ForeignPose& pose, const Reading& reading);

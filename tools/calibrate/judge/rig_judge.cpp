@@ -22,6 +22,7 @@ constexpr double kLooksWithin_rad = 0.7;
 // possible too if it is not worse than this.
 constexpr double kClearlyBetter = 0.3;
 constexpr double kAboutAsGood = 0.12;
+constexpr double kFarMoreExact = 0.3;
 // Distances [m] from a camera to what it looks at, in rooms; and the usual one.
 constexpr double kNearest_m = 0.3;
 constexpr double kFarthest_m = 40.0;
@@ -66,6 +67,8 @@ Convergence measure_convergence(Cameras cameras) {
         distances.push_back(to_point.norm());
         directions += axis * axis.transpose() / static_cast<double>(cameras.size());
         if (axis.dot(to_point) > std::cos(kLooksWithin_rad) * to_point.norm()) ++result.num_looking;
+        result.off_axis += std::atan2(axis.cross(to_point).norm(), axis.dot(to_point)) /
+                           static_cast<double>(cameras.size());
     }
     result.median_distance = median(distances);
     const double along = geometry::principal_axes(directions).values[2];
@@ -118,20 +121,35 @@ ReadingChoice choose_reading(Cameras cameras,
     const std::size_t as_written = index_of(documented);
     const auto is_possible = [&](std::size_t i) {
         return i == as_written || !are_matrices ||
-               kReadings[i].pose != Reading::Pose::kRotationAndPosition;
+               (kReadings[i].pose != Reading::Pose::kRotationAndPosition &&
+                kReadings[i].pose != Reading::Pose::kTransposed);
+    };
+    const auto is_transposed = [&](std::size_t i) {
+        return i != as_written && kReadings[i].pose == Reading::Pose::kTransposed;
+    };
+    // Rings of cameras often look at one place in this reading, too: it must be level and exact.
+    const auto is_better_transposed = [&](std::size_t i, std::size_t other, double needed) {
+        const double better = tried[i].score - tried[other].score;
+        const double off_axis = tried[i].off_axis / std::max(tried[other].off_axis, 1e-9);
+        return cameras.size() > 2 && tried[i].num_looking == cameras.size() &&
+               (better > 2.0 * kClearlyBetter || (better > needed && off_axis < 1.0) ||
+                (better > 0.0 && off_axis < kFarMoreExact));
     };
     std::size_t best = as_written;
     for (std::size_t i = 0; i < kReadings.size(); ++i) {
         // the documented reading has an advantage; the others have none over each other
         const double needed = best == as_written ? kClearlyBetter : 0.0;
-        if (is_possible(i) && tried[i].score > tried[best].score + needed &&
-            tried[i].num_looking > 1)
-            best = i;
+        const bool is_better = is_transposed(i)
+                                   ? is_better_transposed(i, best, 0.5 * kClearlyBetter)
+                                   : tried[i].score > tried[best].score + needed;
+        if (is_possible(i) && is_better && tried[i].num_looking > 1) best = i;
     }
     ReadingChoice choice{kReadings[best], tried[best], best == as_written, {}};
     for (std::size_t i = 0; i < kReadings.size(); ++i) {
-        if (i != best && is_possible(i) && tried[i].score > tried[best].score - kAboutAsGood)
-            choice.also_possible.push_back(kReadings[i]);
+        const bool is_as_good = is_transposed(i)
+                                    ? is_better_transposed(i, best, 0.0)
+                                    : tried[i].score > tried[best].score - kAboutAsGood;
+        if (i != best && is_possible(i) && is_as_good) choice.also_possible.push_back(kReadings[i]);
     }
     return choice;
 }

@@ -17,6 +17,7 @@ namespace atrium::calibrate {
 struct Convergence {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();  // nearest to all optical axes
     std::size_t num_looking = 0;   // cameras that have the point before them, near their axis
+    double off_axis = 0.0;         // mean angle [rad] of the point off the cameras' axes
     double spread = 0.0;           // 0: all axes are parallel, 0.5: cameras all around
     double tilt = 0.0;             // mean deviation from level pictures, as a sine
     double median_distance = 0.0;  // from the cameras to the point
