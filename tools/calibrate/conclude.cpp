@@ -20,6 +20,7 @@ namespace {
 constexpr double kLowestAim_m = 0.1;
 constexpr double kHighestAim_m = 2.5;
 constexpr double kUsualAim_m = 1.0;
+constexpr double kLooksUp = 0.05;  // mean sine
 
 tl::unexpected<Error> needs(const std::string& text) {
     return make_error(ErrorKind::kConfiguration, text);
@@ -197,6 +198,21 @@ std::string Concluder::measured_text() const {
         "floor: {} hangs {} m above it, as you say", names[0], said_.heights[0].metres);
 }
 
+// Left-handed poses make an image in a mirror, below the floor, of cameras that hang above it and
+// look down at a place.
+bool Concluder::looks_left_handed(double aim_m) const {
+    if (said_.left_handed || !said_.up.empty() || -aim_m <= kLowestAim_m || -aim_m >= kHighestAim_m)
+        return false;
+    double looks_up = 0.0;  // sine, mean
+    for (const auto& camera : cameras_) {
+        if (camera.centre_site().z() >= 0.0) return false;
+        const Eigen::Vector3d ahead =
+            camera.camera_from_site.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+        looks_up += ahead.z() / static_cast<double>(cameras_.size());
+    }
+    return looks_up > kLooksUp;
+}
+
 // The cameras look at a place `aim_m` above the new floor.
 void Concluder::report_floor(double aim_m, bool is_of_file) {
     double lowest = 1e9;
@@ -216,6 +232,15 @@ void Concluder::report_floor(double aim_m, bool is_of_file) {
                             lowest,
                             said_.heights.front().camera));
         }
+    } else if (is_of_file && looks_left_handed(aim_m)) {
+        problem(
+            fmt::format("floor: z = 0 of the {}; all cameras hang below it and look up at a place "
+                        "{}: the poses look left-handed, as Unity writes them: say --left-handed. "
+                        "If they are not, measure the height of one camera: --camera-height {} "
+                        "METRES",
+                        is_turned_axis_ ? "new frame" : "file",
+                        aim,
+                        cameras_[0].name));
     } else if (!is_of_file) {
         check(
             fmt::format("floor: unknown; {} m below what the cameras look at is assumed; measure "

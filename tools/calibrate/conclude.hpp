@@ -17,6 +17,7 @@ struct Said {
     std::string up;     // "+Z", "-Y", ... or "x,y,z" in the file's axes; empty: find out
     std::optional<Reading::Pose> pose;
     std::optional<bool> opengl;
+    bool left_handed = false;  // frames of the room and of the cameras (+Y up), as of Unity
     struct Distance {
         std::string from;
         std::string to;

@@ -24,10 +24,10 @@ void Concluder::read_poses() {
     ReadingChoice choice = choose_reading(cameras_, poses_, wanted, foreign_.has_matrix_poses);
     const ReadingChoice fitting = choice;
     report_same_poses();
+    if (said_.left_handed) tell("poses: left-handed, as you say, and mirrored");
     const bool is_said = said_.pose || said_.opengl;
     if (is_said || foreign_.is_sure_of_poses) choice = {wanted, {}, true, {}};
-    for (std::size_t i = 0; i < cameras_.size(); ++i)
-        cameras_[i].camera_from_site = camera_from_site(poses_[i], choice.reading);
+    place_cameras(choice.reading);
     const Convergence convergence = measure_convergence(cameras_);
     const std::vector<bool> looks = look_at_one_place(cameras_);
     const auto num_looking = static_cast<std::size_t>(std::ranges::count(looks, true));
@@ -39,11 +39,9 @@ void Concluder::read_poses() {
                          is_said ? ", as you say" : ", as documented",
                          looking));
     } else {
-        for (std::size_t i = 0; i < cameras_.size(); ++i)
-            cameras_[i].camera_from_site = camera_from_site(poses_[i], wanted);
+        place_cameras(wanted);
         const Convergence as_documented = measure_convergence(cameras_);
-        for (std::size_t i = 0; i < cameras_.size(); ++i)
-            cameras_[i].camera_from_site = camera_from_site(poses_[i], choice.reading);
+        place_cameras(choice.reading);
         tell(fmt::format(
             "poses: {}: {}, {:.0f} degrees apart. Read as documented, as {}, {} would "
             "({} to read them so)",
@@ -75,6 +73,14 @@ void Concluder::read_poses() {
             fmt::format("poses: {} would fit the cameras as well; if the person is broken, try {}",
                         describe(choice.also_possible.front()),
                         option_of(choice.also_possible.front())));
+    }
+}
+
+void Concluder::place_cameras(const Reading& reading) {
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        auto& pose = cameras_[i].camera_from_site;
+        pose = camera_from_site(poses_[i], reading);
+        if (said_.left_handed) pose = mirrored(pose);
     }
 }
 

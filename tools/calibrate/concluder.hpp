@@ -37,6 +37,8 @@ public:
 
 private:
     void read_poses();
+    void place_cameras(const Reading& reading);
+    bool looks_left_handed(double aim_m) const;
     void report_elsewhere(std::size_t camera);
     void report_same_poses();
     Expected<void> find_scale();

@@ -39,6 +39,10 @@ void add_frame_options(CLI::App& command, Said& said) {
             "axes of a camera: it looks along +Z with +Y down (opencv), or along -Z with +Y up "
             "(opengl); default: found out")
         ->check(CLI::IsMember({"opencv", "opengl"}));
+    command.add_flag("--left-handed",
+                     said.left_handed,
+                     "the frames of the room and of the cameras (+Y up, +Z ahead) are left-handed, "
+                     "as of Unity: mirror them");
     add_up_option(command, said);
     add_distance_options(command, said);
 }

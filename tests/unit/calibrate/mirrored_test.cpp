@@ -1,7 +1,8 @@
-// Matrices for row vectors, as MATLAB writes them.
+// Matrices for row vectors, as MATLAB writes them, and left-handed poses, as Unity writes them.
 #include "tests/unit/calibrate/foreign_texts.hpp"
 #include "tools/calibrate/conclude.hpp"
 #include "tools/calibrate/formats/format.hpp"
+#include "tools/calibrate/judge/rig_judge.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -120,6 +121,62 @@ TEST_P(OtherConventions, ATransposedMatrixOfAWholePoseIsRead) {
     ASSERT_TRUE(result) << result.error().message;
     EXPECT_LT(test::difference(result->rig.cameras, cameras_), 1e-6);
     EXPECT_THAT(result->told, Not(Contains(HasSubstr("MATLAB"))));
+}
+
+// Unity: +Y up and left-handed, also the cameras: +X right, +Y up, +Z ahead.
+TEST_P(OtherConventions, LeftHandedPosesAreAProblemUntilTold) {
+    Eigen::Matrix3d unity_from_site;
+    unity_from_site << 1, 0, 0, 0, 0, 1, 0, 1, 0;
+    const Eigen::Matrix3d flip = Eigen::Vector3d(1, -1, 1).asDiagonal();
+    json tree;
+    for (const auto& camera : cameras_) {
+        const geometry::RigidTransform pose = camera.camera_from_site.inverse();
+        tree[camera.name] = lens_of(camera, false);
+        tree[camera.name]["R_wc"] =
+            list_of_rows(unity_from_site * pose.rotation.toRotationMatrix() * flip);
+        tree[camera.name]["t_wc"] = list_of_vector(unity_from_site * pose.translation);
+    }
+    const auto wrong = read(tree);
+    ASSERT_TRUE(wrong) << wrong.error().message;
+    EXPECT_THAT(wrong->problems,
+                Contains(AllOf(HasSubstr("left-handed"), HasSubstr("say --left-handed"))));
+    Said said;
+    said.left_handed = true;
+    for (const std::string up : {"", "+Y"}) {
+        said.up = up;
+        const auto right = read(tree, said);
+        ASSERT_TRUE(right) << right.error().message;
+        EXPECT_THAT(right->problems, IsEmpty());
+        EXPECT_THAT(right->told, Contains(HasSubstr("up: +Y")));
+        // the turn about up is free
+        const auto& found = right->rig.cameras;
+        const geometry::RigidTransform turn =
+            cameras_[0].camera_from_site.inverse() * found[0].camera_from_site;
+        EXPECT_NEAR((turn.rotation * Eigen::Vector3d::UnitZ()).z(), 1.0, 1e-9);
+        for (std::size_t i = 0; i < cameras_.size(); ++i) {
+            const auto expected = cameras_[i].camera_from_site * turn;
+            EXPECT_LT((found[i].camera_from_site.translation - expected.translation).norm(), 1e-6);
+            EXPECT_LT(found[i].camera_from_site.rotation.angularDistance(expected.rotation), 1e-6);
+            EXPECT_NEAR(found[i].centre_site().z(), cameras_[i].centre_site().z(), 1e-6);
+        }
+    }
+}
+
+TEST_P(OtherConventions, RightHandedRoomsAreNotCalledLeftHanded) {
+    for (const char* up : {"+Z", "-Y", "-Z", "+Y"}) {
+        const Eigen::Matrix3d file_from_site =
+            upright_from(axis_vector(up)).toRotationMatrix().transpose();
+        json tree;
+        for (const auto& camera : test::in_frame(cameras_, file_from_site)) {
+            tree[camera.name] = lens_of(camera, false);
+            tree[camera.name]["R"] =
+                list_of_rows(camera.camera_from_site.rotation.toRotationMatrix());
+            tree[camera.name]["t"] = list_of_vector(camera.camera_from_site.translation);
+        }
+        const auto result = read(tree);
+        ASSERT_TRUE(result) << result.error().message;
+        EXPECT_THAT(result->problems, IsEmpty()) << up;
+    }
 }
 
 }  // namespace

@@ -43,6 +43,11 @@ inline constexpr std::array<Reading, 7> kReadings{{{Reading::Pose::kCameraFromSi
 /// `pose.rotation` must be a rotation.
 geometry::RigidTransform camera_from_site(const ForeignPose& pose, const Reading& reading);
 
+/// The true pose if the frames of the room and of the camera (+X right, +Y up, +Z ahead) of a pose
+/// are left-handed: mirrors +X of the room and +Y of the camera. The axis that is up keeps its name
+/// unless it is X. Inverse of itself.
+geometry::RigidTransform mirrored(const geometry::RigidTransform& camera_from_site);
+
 /// The pose that a file with this reading must hold. Inverse of the above.
 ForeignPose foreign_pose(const geometry::RigidTransform& camera_from_site, const Reading& reading);
 
