@@ -1,5 +1,7 @@
 #include "tools/calibrate/judge/other_size.hpp"
 
+#include "core/base/median.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -19,12 +21,6 @@ constexpr double kIsRatio = 0.05;
 constexpr double kFactorError = 0.02;
 
 using Factors = std::array<double, 2>;  // of width and height
-
-double median_of(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 // The likeliest ratio of small numbers, where smaller ones are likelier; else `factor`.
 double likely_ratio(double factor) {
