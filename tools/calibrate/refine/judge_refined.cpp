@@ -4,13 +4,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 #include <numeric>
 
 namespace atrium::calibrate {
 namespace {
 
-constexpr double kLeastBetter = 0.98;  // of the errors of held-out instants
+// Of the errors of held-out instants: a smaller gain is that of chance.
+constexpr double kLeastBetter = 0.98;
+constexpr double kLeastGain_px = 0.03;
 constexpr double kCoverageNoise = 0.003;
 constexpr double kWeak_deg = 0.5;
 constexpr double kWeak_mm = 30.0;
@@ -100,7 +103,7 @@ RefinedVerdict judge_refined(const Refined& refined,
                         refined.weakest_mm,
                         kWalk,
                         is_whole ? "; or refine one camera alone, --camera NAME" : ""));
-    if (after > kLeastBetter * before)
+    if (after > std::min(kLeastBetter * before, before - kLeastGain_px))
         verdict.problems.push_back(
             fmt::format("the refined rig is no better ({:.2f} px, {:.2f} px before): the old one "
                         "is as good as these silhouettes can tell; keep it, or look at the "
