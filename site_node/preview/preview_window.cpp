@@ -16,6 +16,22 @@ namespace {
 constexpr int kFirstWidth = 960;
 constexpr int kFirstHeight = 540;
 
+constexpr double kOfScreen = 0.9;  // leaves room for the window's frame
+
+// Makes the window as large as the picture, or smaller if the screen is.
+void fit_window(GLFWwindow* window, int width, int height) {
+    double scale = 1.0;
+    int x = 0, y = 0, screen_width = 0, screen_height = 0;
+    if (GLFWmonitor* monitor = glfwGetPrimaryMonitor(); monitor != nullptr)
+        glfwGetMonitorWorkarea(monitor, &x, &y, &screen_width, &screen_height);
+    if (screen_width > 0 && screen_height > 0)
+        scale =
+            std::min({1.0, kOfScreen * screen_width / width, kOfScreen * screen_height / height});
+    glfwSetWindowSize(window,
+                      std::max(1, static_cast<int>(scale * width)),
+                      std::max(1, static_cast<int>(scale * height)));
+}
+
 std::string last_error() {
     const char* text = nullptr;
     glfwGetError(&text);
@@ -47,7 +63,7 @@ struct PreviewWindow::Impl {
     }
 
     void resize(const Picture& picture) {
-        if (width == 0) glfwSetWindowSize(window, picture.width, picture.height);
+        if (width == 0) fit_window(window, picture.width, picture.height);
         width = picture.width;
         height = picture.height;
         glTexImage2D(

@@ -62,6 +62,19 @@ TEST_F(PreviewWindowTest, ShowsThePictureUprightAtItsSize) {
     }));
 }
 
+// As that of eight cameras of 1 MP.
+TEST_F(PreviewWindowTest, IsNotLargerThanTheScreen) {
+    auto window = PreviewWindow::open(kTitle);
+    ASSERT_TRUE(window) << window.error().message;
+    const Picture picture = two_colours(1536, 1600);
+    EXPECT_TRUE(comes_true([&] {
+        (*window)->show(picture);
+        return (*window)->stays_open() && display_->size_of(kTitle) == Size{691, 720} &&
+               display_->colour_in(kTitle, 5, 5) == kRed &&
+               display_->colour_in(kTitle, 685, 715) == kBlue;
+    }));
+}
+
 TEST_F(PreviewWindowTest, KeepsThePicturesAspectRatioInAnyWindow) {
     auto window = PreviewWindow::open(kTitle);
     ASSERT_TRUE(window) << window.error().message;
