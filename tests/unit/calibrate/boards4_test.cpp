@@ -1,6 +1,7 @@
 // Real pictures: four webcams and a board, beside the calibration of another program.
 #include "core/base/thread_pool.hpp"
 #include "core/config/rig.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/skips.hpp"
 #include "tests/support/source_dir.hpp"
 #include "tools/calibrate/board/film_boards.hpp"
@@ -122,7 +123,8 @@ TEST(RealBoards, AreBetterThanTheirStoredSolution) {
     const auto all = triangulation_error(stored->cameras, film->points, [](auto) { return true; });
     EXPECT_GT(all.num, 1500U);
     double own = 0.0, theirs = 0.0;
-    for (std::uint32_t fold = 0; fold < 5; ++fold) {
+    const std::uint32_t num_folds = test::kSanitized ? 1 : 5;
+    for (std::uint32_t fold = 0; fold < num_folds; ++fold) {
         const auto is_held_out = [&](std::uint32_t instant) { return instant % 5 == fold; };
         BoardPoints part = film->points;
         for (BoardCamera& camera : part)
@@ -141,6 +143,7 @@ TEST(RealBoards, AreBetterThanTheirStoredSolution) {
         own += ours.rms_px * ours.rms_px / 5.0;
         theirs += other.rms_px * other.rms_px / 5.0;
     }
+    if (test::kSanitized) return;  // one fold says nothing of the mean
     std::printf("all folds: %.3f px, stored %.3f px (all instants %.3f px)\n",
                 std::sqrt(own),
                 std::sqrt(theirs),
