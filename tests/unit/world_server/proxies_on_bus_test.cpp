@@ -62,13 +62,19 @@ protected:
         return std::fmod(seconds_since(start_, time), 2.0 * kTurnS) < kTurnS ? kSpeedMps
                                                                              : -kSpeedMps;
     }
-    // True if meshes or ticks were late since the last call. Then the person may have stood still.
+    // True if meshes or ticks were late, or meshes were dropped, since one of the last calls. Then
+    // the person may have stood still.
     bool was_late() {
-        const std::uint64_t num_skipped = server_->status().num_skipped_ticks;
-        const bool late = longest_gap_ > kMeshPeriod * 5 / 4 || num_skipped > num_skipped_;
-        num_skipped_ = num_skipped;
+        constexpr int kCalls = 3;
+        const bus::WorldStatus status = server_->status();
+        const std::uint64_t num_lost = status.num_skipped_ticks + status.num_meshes_dropped;
+        if (longest_gap_ > kMeshPeriod * 5 / 4 || num_lost > num_lost_)
+            num_late_calls_ = kCalls;
+        else if (num_late_calls_ > 0)
+            --num_late_calls_;
+        num_lost_ = num_lost;
         longest_gap_ = {};
-        return late;
+        return num_late_calls_ > 0;
     }
     void send_mesh() {
         const Clock::time_point now = Clock::now();
@@ -111,7 +117,8 @@ protected:
     const Timestamp start_ = Timestamp::now();
     std::optional<Clock::time_point> sent_;  // time of the last mesh
     Clock::duration longest_gap_{};
-    std::uint64_t num_skipped_ = 0;
+    std::uint64_t num_lost_ = 0;  // ticks and meshes
+    int num_late_calls_ = 0;
 };
 
 TEST_F(ProxiesOnTheBus, GivePlaceAndVelocityOfAPersonToReadersOnly) {
