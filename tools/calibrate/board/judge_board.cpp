@@ -15,7 +15,7 @@ constexpr double kLateBoard = 0.25;  // instants
 constexpr std::size_t kFewViews = 15, kTooFewViews = 5;
 constexpr std::size_t kFewSharedViews = 8;
 // Standard deviations of f that a good lens does not have.
-constexpr double kOpenFocal = 0.02, kVagueFocal = 0.004;
+constexpr double kOpenFocal = 0.01, kVagueFocal = 0.004;
 constexpr double kOtherFocal = 0.04;  // of f from the camera's own pictures
 
 class BoardJudge {
