@@ -177,7 +177,7 @@ struct FloorFault {
 
 const std::vector<FloorFault>& floor_faults() {
     static const std::vector<FloorFault> all{
-        {"floor: two lights exchanged, which mirrors the room",
+        {"floor: two lights exchanged: the room is mirrored",
          [](Lying& lying, std::mt19937&) {
              lying.has_lights = true;
              std::swap(lying.lights_m[1], lying.lights_m[2]);
