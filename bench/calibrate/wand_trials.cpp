@@ -1,7 +1,7 @@
 // Simulated sweeps of a wand with and without faults: is each fault found and named, is no good
 // sweep refused, and how long does it take?
 //
-//     wand_trials trials [SEEDS [GOOD]]    CSV: fault, runs, found, named, median seconds
+//     wand_trials trials [SEEDS [GOOD]]    CSV: fault, runs, refused, named, median seconds
 //     wand_trials times                    CSV: cameras, instants, seconds, errors
 #include "bench/calibrate/fault_trials.hpp"
 #include "tests/unit/calibrate/swept_room.hpp"
