@@ -27,9 +27,9 @@ double thread_cpu_s() {
 }
 
 // `camera`: empty: all.
-std::string refine_command(const std::string& rig,
-                           const std::string& camera,
-                           const std::string& recording) {
+std::string command_that_refines(const std::string& rig,
+                                 const std::string& camera,
+                                 const std::string& recording) {
     return fmt::format("calibrate refine {} {}--recording {} -o mended.toml",
                        rig,
                        camera.empty() ? "" : fmt::format("--camera {} ", camera),
@@ -130,7 +130,7 @@ void CoherenceWatcher::keep(const coherence::CoherenceWatch::Judgement& judgemen
 }
 
 std::string CoherenceWatcher::refine_command(const std::string& camera) const {
-    return site_node::refine_command(rig_name_, camera, is_kept_ ? kept_.folder().string() : "DIR");
+    return command_that_refines(rig_name_, camera, is_kept_ ? kept_.folder().string() : "DIR");
 }
 
 bus::RigCoherence CoherenceWatcher::newest() const {
@@ -218,7 +218,7 @@ std::string CoherenceWatcher::cure_of(const coherence::Report& report) const {
     const std::string camera = report.fault ? cameras_[report.fault->camera].name : "";
     const std::string cure = refine_command(camera);
     // a path that no line of the status may hold
-    return bus::is_valid_line(cure) ? cure : site_node::refine_command("RIG.toml", camera, "DIR");
+    return bus::is_valid_line(cure) ? cure : command_that_refines("RIG.toml", camera, "DIR");
 }
 
 void CoherenceWatcher::finish() {
