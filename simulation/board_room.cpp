@@ -102,13 +102,14 @@ BoardRoom::BoardRoom(const config::Rig& rig, const BoardRoomOptions& options)
 }
 
 geometry::RigidTransform BoardRoom::site_from_board(double time_s) const {
+    if (options_.lies) return {};
     const auto wave = [&](std::size_t k, double hz) {
         return std::sin(2.0 * std::numbers::pi * hz * time_s + phases_rad_[k]);
     };
     const Vector3d half = 0.5 * bounds_site_.size();
     const Vector3d middle = 0.5 * (bounds_site_.min + bounds_site_.max) +
                             half.cwiseProduct(Vector3d(
-                                0.3 * wave(0, 0.103), 0.3 * wave(1, 0.077), 0.15 * wave(2, 0.143)));
+                                0.8 * wave(0, 0.103), 0.8 * wave(1, 0.077), 0.6 * wave(2, 0.143)));
     // from one camera to the next, at an even pace
     const auto num = static_cast<double>(around_.size());
     const double place = num * (time_s / kRound_s - std::floor(time_s / kRound_s));

@@ -16,6 +16,7 @@ struct BoardRoomOptions {
     double square_m = 0.16;  // as `calibrate print-board --paper a0` prints it
     double noise_lsb = 2.0;  // standard deviation [grey levels]
     std::uint64_t seed = 1;  // of the motion and the noise
+    bool lies = false;       // on the floor at the site's origin, along its axes, and at rest
 };
 
 /// The board that `calibrate print-board` makes without options, in its frame: the origin at the

@@ -11,7 +11,9 @@ std::unique_ptr<const RenderedRoom> rendered_room(const config::Rig& rig,
     if (config.shows == "wand") return std::make_unique<WandRoom>(rig, wand_room_options(config));
     if (config.shows == "board")
         return std::make_unique<BoardRoom>(
-            rig, BoardRoomOptions{1e-3 * config.board_square_mm, config.noise_lsb, config.seed});
+            rig,
+            BoardRoomOptions{
+                1e-3 * config.board_square_mm, config.noise_lsb, config.seed, config.lies});
     return nullptr;
 }
 

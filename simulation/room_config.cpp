@@ -18,6 +18,11 @@ void declare(RoomConfig& room, config::OptionSet& set) {
             room.board_square_mm,
             "board: side of a square [mm]; 160 as on `--paper a0`",
             {5, 1000});
+    set.add("simulation.lies",
+            room.lies,
+            "wand, board: lies on the floor, as for `calibrate floor`: first at the site's origin "
+            "along "
+            "its +X, the wand then at two more places, for four seconds each");
     set.add("simulation.exposure_ms",
             room.exposure_ms,
             "wand: exposure, in which its lights move [ms]",
@@ -106,7 +111,7 @@ RoomOptions room_options(const RoomConfig& config, double rate_hz) {
 }
 
 WandRoomOptions wand_room_options(const RoomConfig& config) {
-    return {config.exposure_ms, config.lost_percent, config.noise_lsb, config.seed};
+    return {config.exposure_ms, config.lost_percent, config.noise_lsb, config.seed, config.lies};
 }
 
 }  // namespace atrium::simulation

@@ -14,6 +14,7 @@ namespace atrium::simulation {
 struct RoomConfig {
     std::string shows = "person";  // or "wand", "board": rooms for `calibrate`
     double board_square_mm = 160.0;
+    bool lies = false;
     double exposure_ms = 2.0;   // of the wand
     double lost_percent = 0.0;  // of the wand's pictures
     std::string look = "ada";

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -62,6 +63,19 @@ public:
 private:
     image::Plane& plane_;
 };
+
+// On the floor, at one of three places that no line joins.
+geometry::RigidTransform lying_wand(double time_s) {
+    constexpr double kRest_s = 4.0;
+    constexpr std::array<std::array<double, 3>, 3> kPlaces{
+        {{0.0, 0.0, 0.0}, {0.3, 0.7, 1.0}, {-0.7, -0.2, 2.3}}};  // x, y [m], yaw [rad]
+    const auto& [x, y, yaw] =
+        kPlaces[static_cast<std::size_t>(std::max(0.0, time_s) / kRest_s) % kPlaces.size()];
+    geometry::RigidTransform pose;
+    pose.rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
+    pose.translation = {x, y, 0.0};
+    return pose;
+}
 
 std::optional<Eigen::Vector2d> seen_at(const geometry::CalibratedCamera& camera,
                                        const Eigen::Vector3d& p_site) {
@@ -124,6 +138,7 @@ image::Plane WandRoom::scenery(const geometry::PinholeCamera& lens, std::uint64_
 }
 
 geometry::RigidTransform WandRoom::site_from_wand(double time_s) const {
+    if (options_.lies) return lying_wand(time_s);
     const auto wave = [&](std::size_t k, double hz) {
         return std::sin(2.0 * std::numbers::pi * hz * time_s + phases_rad_[k]);
     };

@@ -19,6 +19,9 @@ struct WandRoomOptions {
     double lost_percent = 0.0;  // of the pictures
     double noise_lsb = 2.0;     // standard deviation [grey levels]
     std::uint64_t seed = 1;     // of the motion, the lamps and the noise
+    /// On the floor, at three places in turn: first light 0 at the site's origin and the others on
+    /// its +X.
+    bool lies = false;
 };
 
 /// A dark room in which somebody sweeps a calibration wand: four lights on a line, at 0, 10, 30 and

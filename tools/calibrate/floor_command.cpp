@@ -1,3 +1,4 @@
+#include "core/app/program.hpp"
 #include "core/base/thread_pool.hpp"
 #include "core/config/rig.hpp"
 #include "tools/calibrate/board/film_boards.hpp"
@@ -6,6 +7,8 @@
 #include "tools/calibrate/floor/floor_frame.hpp"
 #include "tools/calibrate/progress.hpp"
 #include "tools/calibrate/subcommands.hpp"
+#include "tools/calibrate/sweep/sweep.hpp"
+#include "tools/calibrate/sweep/watch_boards.hpp"
 
 #include <fmt/format.h>
 
@@ -27,20 +30,23 @@ struct FloorCommand {
     fs::path rig;
     fs::path pictures;
     fs::path points;
+    SourceOptions source;
     fs::path board;
-    fs::path wand;
+    std::optional<fs::path> wand;  // empty path: the default one
     double yaw_deg = 0.0;
     double thickness_mm = 0.0;
     bool force = false;
     fs::path output;
 };
 
-Expected<FoundMarks> find_by_board(const FloorCommand& options, const config::Rig& rig) {
-    std::vector<Board> boards{Board{}};
-    if (!options.board.empty()) {
-        auto loaded = load_boards(options.board);
-        if (!loaded) return tl::unexpected(loaded.error());
-        boards = std::move(*loaded);
+Expected<BoardFilm> film_floor(FloorCommand& options,
+                               const std::vector<Board>& boards,
+                               const config::Rig& rig) {
+    if (options.source.is_asked()) {
+        if (auto resolved = options.source.resolve(); !resolved)
+            return tl::unexpected(resolved.error());
+        const app::StopOnSignal on_signal;
+        return watch_resting_board(options.source, boards, rig, on_signal.token());
     }
     FilmOptions filming;
     filming.most_instants = kFloorInstants;
@@ -51,47 +57,75 @@ Expected<FoundMarks> find_by_board(const FloorCommand& options, const config::Ri
         progress.show(fmt::format("looking for the board: {} of {} pictures", done, all));
     };
     ThreadPool pool(std::max(1U, std::thread::hardware_concurrency()));
-    const auto film = film_boards(options.pictures, boards, filming, pool);
+    return film_boards(options.pictures, boards, filming, pool);
+}
+
+Expected<FoundMarks> find_by_board(FloorCommand& options, const config::Rig& rig) {
+    std::vector<Board> boards{Board{}};
+    if (!options.board.empty()) {
+        auto loaded = load_boards(options.board);
+        if (!loaded) return tl::unexpected(loaded.error());
+        boards = std::move(*loaded);
+    }
+    const auto film = film_floor(options, boards, rig);
     if (!film) return tl::unexpected(film.error());
     return marks_of_board(rig, boards, film->points);
 }
 
-Expected<FoundMarks> find_by_lights(const FloorCommand& options, const config::Rig& rig) {
-    const auto points = load_light_points(options.points);
-    if (!points) return tl::unexpected(points.error());
+Expected<LightPoints> light_points(FloorCommand& options,
+                                   const std::optional<Wand>& wand,
+                                   const config::Rig& rig) {
+    if (!options.points.empty()) return load_light_points(options.points);
+    if (auto resolved = options.source.resolve(); !resolved)
+        return tl::unexpected(resolved.error());
+    const app::StopOnSignal on_signal;
+    return watch_resting_wand(options.source, *wand, rig, on_signal.token());
+}
+
+Expected<FoundMarks> find_by_lights(FloorCommand& options, const config::Rig& rig) {
     std::optional<Wand> wand;
-    if (!options.wand.empty()) {
-        auto loaded = load_wand(options.wand);
+    if (options.wand) wand = default_wand();
+    if (options.wand && !options.wand->empty()) {
+        auto loaded = load_wand(*options.wand);
         if (!loaded) return tl::unexpected(loaded.error());
         wand = std::move(*loaded);
     }
+    const auto points = light_points(options, wand, rig);
+    if (!points) return tl::unexpected(points.error());
     return marks_of_lights(rig, *points, wand);
 }
 
-Expected<void> run_floor(const FloorCommand& options) {
-    if (options.pictures.empty() == options.points.empty())
-        return make_error(
-            ErrorKind::kConfiguration,
-            "give --pictures of a board that lies on the floor, or --points of lights "
-            "on it");
+Expected<void> run_floor(FloorCommand& options) {
+    const bool is_live = options.source.is_asked();
+    if ((options.pictures.empty() ? 0 : 1) + (options.points.empty() ? 0 : 1) + (is_live ? 1 : 0) !=
+        1)
+        return make_error(ErrorKind::kConfiguration,
+                          "give one of: live cameras (--config SITE.toml) that see a board, or "
+                          "with --wand a wand, "
+                          "lie on the floor, --pictures of a board, or --points of lights");
+    if (options.wand && (!options.pictures.empty() || !options.board.empty()))
+        return make_error(ErrorKind::kConfiguration,
+                          "--wand: goes with live cameras (--config SITE.toml) or with --points; "
+                          "--pictures and --board are of a board");
     if (auto free = check_output(options.output, options.force); !free) return free;
     auto rig = config::load_rig(options.rig);
     if (!rig) return tl::unexpected(rig.error());
-    const auto found =
-        options.pictures.empty() ? find_by_lights(options, *rig) : find_by_board(options, *rig);
+    const auto found = !options.wand && options.points.empty() ? find_by_board(options, *rig)
+                                                               : find_by_lights(options, *rig);
     if (!found) return tl::unexpected(found.error());
     const auto frame =
         floor_frame(found->marks,
                     rig->cameras,
                     {options.yaw_deg * std::numbers::pi / 180.0, options.thickness_mm / 1000.0});
     if (!frame) return tl::unexpected(frame.error());
-    RigReport report{
-        fmt::format("{} with the floor of {}, by `calibrate floor`.",
-                    options.rig.string(),
-                    (options.pictures.empty() ? options.points : options.pictures).string()),
-        found->told,
-        found->checks,
-        found->problems};
+    RigReport report{fmt::format("{} with the floor of {}, by `calibrate floor`.",
+                                 options.rig.string(),
+                                 is_live                    ? "live pictures"
+                                 : options.pictures.empty() ? options.points.string()
+                                                            : options.pictures.string()),
+                     found->told,
+                     found->checks,
+                     found->problems};
     for (auto& camera : rig->cameras)
         camera.camera_from_site = camera.camera_from_site * frame->rig_from_floor;
     const auto height = [](const geometry::CalibratedCamera& camera) {
@@ -130,6 +164,8 @@ void add_floor(CLI::App& app, Action& action) {
         "floor", "gives a rig.toml the frame of its room, from a board or lights on the floor");
     command->footer(
         "Examples:\n"
+        "  calibrate floor lab.toml --config site.toml -o lab2.toml\n"
+        "  calibrate floor lab.toml --config site.toml --wand -o lab2.toml\n"
         "  calibrate floor lab.toml --pictures floor --board board.toml --thickness-mm 5 -o "
         "lab2.toml\n"
         "  calibrate floor lab.toml --points floor.csv -o lab2.toml\n"
@@ -155,7 +191,13 @@ void add_floor(CLI::App& app, Action& action) {
     command
         ->add_option("--board", options->board, "TOML of the board; default: that of print-board")
         ->type_name("FILE");
-    command->add_option("--wand", options->wand, "TOML of the wand whose lights --points are")
+    command
+        ->add_option_function<std::string>(
+            "--wand",
+            [options](const std::string& file) { options->wand = file; },
+            "TOML of the wand that lies on the floor, live or in --points; without a value: the "
+            "default wand")
+        ->expected(0, 1)
         ->type_name("FILE");
     command
         ->add_option("--yaw-deg",
@@ -173,6 +215,7 @@ void add_floor(CLI::App& app, Action& action) {
         ->required();
     command->add_flag(
         "--force", options->force, "write in spite of problems, and replace a file that is no rig");
+    options->source.add_to(*command, "the board");
     command->callback([options, &action] { action = [options] { return run_floor(*options); }; });
 }
 

@@ -134,7 +134,7 @@ Expected<WandInput> wand_input(WandCommand& options, const Wand& wand, std::stop
 
 // How the command line names one source of points.
 Expected<void> check_source(const WandCommand& options) {
-    const bool is_sweep = options.sweep.is_asked();
+    const bool is_sweep = options.sweep.source.is_asked();
     if (options.points.empty() != is_sweep)
         return make_error(
             ErrorKind::kConfiguration,

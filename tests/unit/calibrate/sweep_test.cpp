@@ -4,6 +4,7 @@
 #include "tests/support/sanitized.hpp"
 #include "tests/unit/simulation/rig_fixture.hpp"
 #include "tools/calibrate/sweep/detect_lights.hpp"
+#include "tools/calibrate/sweep/resting_wand.hpp"
 #include "tools/calibrate/sweep/sweep_tally.hpp"
 #include "tools/calibrate/wand/judge_wand.hpp"
 
@@ -278,6 +279,68 @@ TEST(SweepTally, RefusesWandsWhoseLightsLookAlike) {
     const auto made = SweepTally::make({{{0, 0, 0}, {0.5, 0, 0}}}, {{"a", 640, 480, 0.0}}, {});
     ASSERT_FALSE(made);
     EXPECT_THAT(made.error().message, HasSubstr("look alike"));
+}
+
+class LayingTheWand : public testing::Test {
+protected:
+    void begin(const Wand& wand) {
+        std::vector<NominalCamera> cameras;
+        for (const char* name : {"cam0", "cam1", "cam2"}) cameras.push_back({name, 640, 480, 0.0});
+        auto made = RestingWand::make(wand, cameras);
+        ASSERT_TRUE(made) << made.error().message;
+        resting_.emplace(std::move(*made));
+    }
+    // Before cam0 and cam1, with some noise.
+    void rest(double x, double y, int num) {
+        for (int i = 0; i < num; ++i)
+            resting_->add({lights_at(wand_at(x + 0.2 * (i % 3), y)),
+                           lights_at(wand_at(y, x - 0.2 * (i % 2))),
+                           lights_at({})});
+    }
+    std::optional<RestingWand> resting_;
+};
+
+TEST_F(LayingTheWand, TakesThreePlacesOfAWandOnALine) {
+    begin(default_wand());
+    EXPECT_EQ(resting_->progress(),
+              "floor: 0 of 3 places; lay the wand down where two cameras see it");
+    for (int i = 0; i < 40; ++i) rest(20 + 9 * i, 200, 1);
+    EXPECT_EQ(resting_->num_places(), 0u) << "it is carried";
+    rest(400, 100, 10);
+    EXPECT_THAT(resting_->progress(),
+                HasSubstr("the wand rests before cam0, cam1: 10 of 15 instants"));
+    rest(400, 100, 60);
+    EXPECT_EQ(resting_->num_places(), 1u) << "it rests where it was";
+    rest(100, 100, 20);
+    rest(100, 300, 20);
+    ASSERT_TRUE(resting_->is_complete());
+    const LightPoints& points = resting_->points();
+    ASSERT_EQ(points.size(), 3u);
+    ASSERT_EQ(points[0].points.size(), 12u);
+    EXPECT_TRUE(points[2].points.empty());
+    EXPECT_NEAR(points[0].points[0].px.x(), 400.2, 1e-9) << "the median";
+    EXPECT_EQ(points[0].points[7].light, 3u);
+    EXPECT_EQ(points[0].points[7].instant, 1u);
+    EXPECT_EQ(points[0].points[7].px.y(), 160.0);
+}
+
+TEST_F(LayingTheWand, DoesNotCountWhatOneCameraSees) {
+    begin(default_wand());
+    for (int i = 0; i < 40; ++i) resting_->add({lights_at(wand_at(100, 100)), lights_at({}), {}});
+    EXPECT_EQ(resting_->num_places(), 0u);
+}
+
+TEST_F(LayingTheWand, TakesOnePlaceOfAFlatWand) {
+    begin({{{0, 0, 0}, {0.5, 0, 0}, {0, 0.3, 0}, {0.15, 0, 0}, {0.5, 0.1, 0}}});
+    EXPECT_EQ(resting_->num_needed(), 1u);
+}
+
+TEST(RestingWand, RefusesWandsWhoseLightsLookAlike) {
+    for (const Wand& wand : {Wand{{{0, 0, 0}}}, Wand{{{0, 0, 0}, {0.5, 0, 0}}}}) {
+        const auto made = RestingWand::make(wand, {{"a", 640, 480, 0.0}});
+        ASSERT_FALSE(made);
+        EXPECT_THAT(made.error().message, HasSubstr("whose lights can be told apart"));
+    }
 }
 
 }  // namespace

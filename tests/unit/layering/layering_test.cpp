@@ -138,6 +138,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
       "site_node/preview/",
       "site_node/source/",
       "tools/calibrate/adjust/",
+      "tools/calibrate/board/",
       "tools/calibrate/wand/"}},
     {"tools/calibrate/adjust/", {"core/base/", "core/geometry/", "core/config/"}},
     {"tools/calibrate/judge/", {"core/base/", "core/geometry/"}},

@@ -1,7 +1,7 @@
 #include "tools/calibrate/board/film_boards.hpp"
 
+#include "tools/calibrate/board/filmed_camera.hpp"
 #include "tools/calibrate/board/picture_reader.hpp"
-#include "tools/calibrate/board/recognise.hpp"
 #include "tools/calibrate/names/name_parts.hpp"
 #include "tools/calibrate/names/rig_name.hpp"
 #include "tools/calibrate/recording/instants.hpp"
@@ -22,10 +22,7 @@ namespace atrium::calibrate {
 namespace {
 
 constexpr std::size_t kMostCamerasFilmed = 64;
-constexpr std::size_t kSamples = 6;          // pictures of a camera that are kept
-constexpr double kManyContradicting = 0.35;  // of the markers
-constexpr std::size_t kEnoughMarkers = 20;   // to judge the board by them
-constexpr double kMarkerSideOff = 0.1;
+constexpr std::size_t kSamples = 6;  // pictures of a camera that are kept
 
 // Names of cameras: the parts of their labels that differ, "cam0" of "take/cam0/frames".
 std::map<std::string, Shots> named(const std::vector<Shots>& shots) {
@@ -83,16 +80,11 @@ Expected<std::map<std::string, Shots>> find_cameras(const std::filesystem::path&
 
 // A camera while its pictures are read.
 struct Filmed {
-    std::string name;
     std::size_t num_expected = 0;
     std::mutex mutex;  // of `reader` and `is_done`
     std::optional<PictureReader> reader;
     bool is_done = false;
-    // of the results
-    BoardCamera camera;
-    std::vector<GrayPicture> samples;
-    std::size_t num_fitting = 0, num_contradicting = 0, num_views = 0;
-    std::vector<double> sides;
+    FilmedCamera film;  // of the results
 };
 
 class Filming {
@@ -106,14 +98,12 @@ public:
         if (const auto done = open(*found); !done) return tl::unexpected(done.error());
         executor_.parallel_for(executor_.num_workers(), work_);
         if (failure_) return tl::unexpected(*failure_);
-        for (auto& filmed : cameras_) {
-            std::ranges::sort(filmed->camera.corners, [](const auto& a, const auto& b) {
-                return a.instant != b.instant ? a.instant < b.instant : a.corner < b.corner;
-            });
-            film_.points.push_back(std::move(filmed->camera));
-        }
-        if (const std::string wrong = explain(); !wrong.empty())
+        std::vector<FilmedCamera> films;
+        for (auto& filmed : cameras_) films.push_back(std::move(filmed->film));
+        if (const std::string wrong = explain_film(films, boards_, options_.least_views);
+            !wrong.empty())
             return make_error(ErrorKind::kInvalidData, wrong);
+        film_.points = points_of(std::move(films));
         return std::move(film_);
     }
 
@@ -127,9 +117,10 @@ private:
             if (!look) return tl::unexpected(look.error());
             if (const std::string doubt = doubt_of_truncation(shots, *look); !doubt.empty())
                 film_.checks.push_back(doubt);
-            filmed->name = filmed->camera.name = name;
-            filmed->camera.width = look->width;
-            filmed->camera.height = look->height;
+            BoardCamera& camera = filmed->film.camera;
+            camera.name = name;
+            camera.width = look->width;
+            camera.height = look->height;
             filmed->num_expected = look->num_frames;
             if (look->rate_hz > 0.0) film_.rate_hz = look->rate_hz;
             if (shots.is_video) {
@@ -144,7 +135,7 @@ private:
         film_.step = (last - first) / options_.most_instants + 1;
         film_.rate_hz /= static_cast<double>(film_.step);
         for (auto& filmed : cameras_) {
-            filmed->reader.emplace(found.at(filmed->name), film_.step);
+            filmed->reader.emplace(found.at(filmed->film.camera.name), film_.step);
             filmed->num_expected = (filmed->num_expected + film_.step - 1) / film_.step;
             num_all_ += filmed->num_expected;
         }
@@ -180,38 +171,34 @@ private:
 
     void take(Filmed& filmed, PictureReader::Picture& picture) try {
         const GrayPicture& gray = picture.gray;
-        if (gray.width != filmed.camera.width || gray.height != filmed.camera.height) {
+        const BoardCamera& camera = filmed.film.camera;
+        if (gray.width != camera.width || gray.height != camera.height) {
             fail({ErrorKind::kInvalidData,
                   fmt::format("camera '{}': picture {} has {}x{} px, those before {}x{} px: a "
                               "calibration is of one size; record again without changing it, or "
                               "take the others away",
-                              filmed.name,
+                              camera.name,
                               picture.number,
                               gray.width,
                               gray.height,
-                              filmed.camera.width,
-                              filmed.camera.height)});
+                              camera.width,
+                              camera.height)});
             return;
         }
         const Detection detection = detector_.detect(gray);
         const std::lock_guard lock(mutex_);
-        const auto instant = static_cast<std::uint32_t>(picture.number / film_.step);
-        for (const SeenCorner& corner : detection.corners)
-            filmed.camera.corners.push_back({instant, corner.corner, corner.px});
-        filmed.num_views += detection.corners.empty() ? 0 : 1;
-        filmed.num_fitting += detection.fitting.size();
-        filmed.num_contradicting += detection.contradicting.size();
-        filmed.sides.insert(
-            filmed.sides.end(), detection.marker_sides.begin(), detection.marker_sides.end());
         const std::size_t every = filmed.num_expected / kSamples + 1;
-        if (filmed.camera.num_pictures++ % every == 0 && filmed.samples.size() <= kSamples)
-            filmed.samples.push_back(std::move(picture.gray));
+        const bool is_sample =
+            camera.num_pictures % every == 0 && filmed.film.samples.size() <= kSamples;
+        filmed.film.count(detection);
+        filmed.film.keep(static_cast<std::uint32_t>(picture.number / film_.step), detection);
+        if (is_sample) filmed.film.samples.push_back(std::move(picture.gray));
         ++num_done_;
         if (options_.progress) options_.progress(num_done_, std::max(num_done_, num_all_));
     } catch (const cv::Exception& error) {
         fail({ErrorKind::kInvalidData,
               fmt::format("camera '{}', picture {}: OpenCV cannot look for boards in it: {}",
-                          filmed.name,
+                          filmed.film.camera.name,
                           picture.number,
                           error.what())});
     }
@@ -223,58 +210,6 @@ private:
     void fail(Error error) {
         const std::lock_guard lock(mutex_);
         if (!failure_) failure_ = std::move(error);
-    }
-
-    std::string explain() const {
-        std::size_t num_views = 0, num_fitting = 0, num_contradicting = 0;
-        std::vector<GrayPicture> samples;
-        for (const auto& filmed : cameras_) {
-            num_views += filmed->num_views;
-            num_fitting += filmed->num_fitting;
-            num_contradicting += filmed->num_contradicting;
-            samples.insert(samples.end(), filmed->samples.begin(), filmed->samples.end());
-        }
-        if (num_views == 0)
-            return fmt::format("no picture shows {}: {}",
-                               boards_.size() == 1 ? boards_.front().text() : "one of the boards",
-                               recognise(samples, boards_));
-        const std::size_t num_markers = num_fitting + num_contradicting;
-        if (num_markers >= kEnoughMarkers &&
-            static_cast<double>(num_contradicting) >
-                kManyContradicting * static_cast<double>(num_markers))
-            return fmt::format("of {} markers in the pictures, {} do not lie as --board says: {}",
-                               num_markers,
-                               num_contradicting,
-                               recognise(samples, boards_));
-        std::string text;
-        for (const auto& filmed : cameras_) {
-            if (filmed->num_views >= options_.least_views) continue;
-            text += fmt::format("{}camera '{}' shows the board in {} of its {} pictures: {}",
-                                text.empty() ? "" : "; ",
-                                filmed->name,
-                                filmed->num_views,
-                                filmed->camera.num_pictures,
-                                recognise(filmed->samples, boards_));
-        }
-        return text.empty() ? explain_sides() : text;
-    }
-
-    // The markers' width beside that of the squares.
-    std::string explain_sides() const {
-        std::vector<double> sides;
-        for (const auto& filmed : cameras_)
-            sides.insert(sides.end(), filmed->sides.begin(), filmed->sides.end());
-        if (sides.size() < kEnoughMarkers || boards_.size() > 1) return {};
-        const auto middle = sides.begin() + static_cast<std::ptrdiff_t>(sides.size() / 2);
-        std::ranges::nth_element(sides, middle);
-        const double said = boards_.front().marker_m / boards_.front().square_m;
-        if (std::abs(*middle / said - 1.0) < kMarkerSideOff) return {};
-        return fmt::format(
-            "the markers are {:.2f} of a square wide, and --board says {:.2f}: "
-            "measure square_m, which gives the scale of the room, and marker_m "
-            "again",
-            *middle,
-            said);
     }
 
     const std::vector<Board>& boards_;

@@ -39,7 +39,8 @@ Expected<Sweep> keep_sweep(SweepOptions& options,
                            const fs::path& file,
                            bool may_replace,
                            std::stop_token stop) {
-    if (auto resolved = options.resolve(); !resolved) return tl::unexpected(resolved.error());
+    if (auto resolved = options.source.resolve(); !resolved)
+        return tl::unexpected(resolved.error());
     std::error_code failure;
     if (!may_replace && !options.keep_points.empty() && fs::exists(file, failure))
         return make_error(ErrorKind::kConfiguration,

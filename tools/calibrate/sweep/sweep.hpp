@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/config/rig.hpp"
 #include "tools/calibrate/adjust/wand.hpp"
 #include "tools/calibrate/sweep/sweep_options.hpp"
 #include "tools/calibrate/wand/light_points.hpp"
@@ -22,5 +23,14 @@ struct Sweep {
 /// stop; a recording is read to its end. Errors of the source; kInvalidData with causes if
 /// hardly anything was seen.
 Expected<Sweep> record_sweep(const SweepOptions& options, const Wand& wand, std::stop_token stop);
+
+/// Waits until the cameras of `rig` have seen the wand at rest, at as many places as a floor needs
+/// (RestingWand): each is an instant. `options` must be resolved. Errors of the source;
+/// kConfiguration if pictures do not tell the lights of this wand apart; kInvalidData if the stop
+/// came first.
+Expected<LightPoints> watch_resting_wand(const SourceOptions& options,
+                                         const Wand& wand,
+                                         const config::Rig& rig,
+                                         std::stop_token stop);
 
 }  // namespace atrium::calibrate

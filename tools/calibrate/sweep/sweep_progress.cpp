@@ -34,17 +34,29 @@ void SweepProgress::say(const std::string& line) {
     fmt::print(stderr, "{}{}\n", is_terminal_ ? kClearLine : "", line);
 }
 
-void SweepProgress::update(SweepTally& tally) {
-    for (const std::string& warning : tally.take_warnings()) say("check: " + warning);
+void SweepProgress::update(Observer& observer) {
+    for (const std::string& warning : observer.take_warnings()) say("check: " + warning);
     const auto now = Clock::now();
     if (now < due_) return;
     due_ = now + (is_terminal_ ? Clock::duration(kTerminalPeriod) : Clock::duration(kLinePeriod));
     if (is_terminal_) {
-        fmt::print(stderr, "{}{}", kClearLine, tally.progress(columns_of_terminal()));
+        fmt::print(stderr, "{}{}", kClearLine, observer.progress(columns_of_terminal()));
         std::fflush(stderr);
     } else {
-        say(tally.progress());
+        say(observer.progress(0));
     }
+}
+
+std::string progress_line(std::string head,
+                          const std::vector<std::string>& parts,
+                          std::size_t most_characters) {
+    for (const std::string& part : parts) {
+        constexpr std::size_t kRest = 5;  // "; ..."
+        if (most_characters > 0 && head.size() + part.size() + 2 + kRest > most_characters)
+            return head + "; ...";
+        head += "; " + part;
+    }
+    return head;
 }
 
 }  // namespace atrium::calibrate

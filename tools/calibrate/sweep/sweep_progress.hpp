@@ -1,9 +1,10 @@
 #pragma once
 
-#include "tools/calibrate/sweep/sweep_tally.hpp"
+#include "tools/calibrate/sweep/observer.hpp"
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 namespace atrium::calibrate {
 
@@ -18,8 +19,8 @@ public:
     SweepProgress(const SweepProgress&) = delete;
     SweepProgress& operator=(const SweepProgress&) = delete;
 
-    /// Shows the tally, if it is time, and new warnings at once.
-    void update(SweepTally& tally);
+    /// Shows the progress, if it is time, and new warnings at once.
+    void update(Observer& observer);
 
     /// Shows a line that stays.
     void say(const std::string& line);
@@ -31,5 +32,10 @@ private:
     bool is_terminal_;
     Clock::time_point due_;
 };
+
+/// "head; part; part". At most `most_characters` long, and then without the last parts; 0: all.
+std::string progress_line(std::string head,
+                          const std::vector<std::string>& parts,
+                          std::size_t most_characters);
 
 }  // namespace atrium::calibrate

@@ -1,10 +1,11 @@
 #include "tools/calibrate/sweep/sweep_tally.hpp"
 
+#include "tools/calibrate/sweep/sweep_progress.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace atrium::calibrate {
@@ -22,15 +23,6 @@ constexpr std::size_t kInARow = 10;
 
 enum Kind : std::size_t { kNoLight, kNoPicture, kTooBright, kCrowded };
 
-std::size_t field_of(const Eigen::Vector2d& px, const NominalCamera& camera) {
-    const auto index = [](double place, int size) {
-        const int field = static_cast<int>((place + 0.5) * kFields / size);
-        return static_cast<std::size_t>(std::clamp(field, 0, kFields - 1));
-    };
-    return index(px.y(), camera.height) * static_cast<std::size_t>(kFields) +
-           index(px.x(), camera.width);
-}
-
 // True if a wand is new in the picture, or one of its lights is `most_px` from where it was.
 bool has_moved(const std::vector<Eigen::Vector2d>& now,
                const std::vector<Eigen::Vector2d>& before,
@@ -42,44 +34,7 @@ bool has_moved(const std::vector<Eigen::Vector2d>& now,
     return false;
 }
 
-// The part of the picture in which least is covered.
-const char* part_to_sweep(const CoveredFields& covered) {
-    static constexpr std::array kParts{"lower left",
-                                       "lower right",
-                                       "upper left",
-                                       "upper right",
-                                       "left",
-                                       "right",
-                                       "top",
-                                       "bottom",
-                                       "middle"};
-    static constexpr std::array<std::array<int, 2>, 9> kAt{
-        {{0, 2}, {2, 2}, {0, 0}, {2, 0}, {0, 1}, {2, 1}, {1, 0}, {1, 2}, {1, 1}}};
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t part = 0; part < kParts.size(); ++part) {
-        int num_covered = 0, num_fields = 0;
-        for (int y = 0; y < kFields; ++y) {
-            for (int x = 0; x < kFields; ++x) {
-                if (x * 3 / kFields != kAt[part][0] || y * 3 / kFields != kAt[part][1]) continue;
-                ++num_fields;
-                num_covered += covered[static_cast<std::size_t>(y * kFields + x)] ? 1 : 0;
-            }
-        }
-        const double share = static_cast<double>(num_covered) / num_fields;
-        if (share >= least) continue;
-        least = share;
-        best = part;
-    }
-    return kParts[best];
-}
-
 }  // namespace
-
-double CameraTally::coverage() const {
-    return static_cast<double>(std::ranges::count(covered, true)) /
-           static_cast<double>(covered.size());
-}
 
 Expected<SweepTally> SweepTally::make(const Wand& wand,
                                       std::vector<NominalCamera> cameras,
@@ -96,11 +51,11 @@ Expected<SweepTally> SweepTally::make(const Wand& wand,
 SweepTally::SweepTally(LightLabeller labeller,
                        std::vector<NominalCamera> cameras,
                        const TallyOptions& options)
-    : labeller_(std::move(labeller)),
-      options_(options),
-      tallies_(cameras.size()),
-      shared_(cameras.size() * cameras.size(), 0) {
-    for (NominalCamera& camera : cameras) cameras_.emplace_back().nominal = std::move(camera);
+    : labeller_(std::move(labeller)), options_(options), links_(cameras.size()) {
+    for (NominalCamera& camera : cameras) {
+        tallies_.emplace_back(camera);
+        cameras_.emplace_back().nominal = std::move(camera);
+    }
 }
 
 void SweepTally::add(std::uint32_t instant,
@@ -219,46 +174,22 @@ void SweepTally::count() {
     ++num_counted_;
     for (const std::size_t c : seeing) {
         ++tallies_[c].num_instants;
-        for (const Eigen::Vector2d& px : tallies_[c].wand_px)
-            tallies_[c].covered[field_of(px, cameras_[c].nominal)] = true;
-        for (const std::size_t other : seeing) ++shared_[c * cameras_.size() + other];
+        for (const Eigen::Vector2d& px : tallies_[c].wand_px) tallies_[c].covered.cover(px);
     }
+    links_.count(seeing);
     for (std::size_t c = 0; c < cameras_.size(); ++c) cameras_[c].counted_px = tallies_[c].wand_px;
 }
 
 bool SweepTally::has_enough(std::size_t c) const {
     return tallies_[c].num_instants >= num_needed_of_each() &&
-           tallies_[c].coverage() >= kEnoughCovered;
-}
-
-// Names of the cameras that are not linked to the one with most instants, directly or over others.
-std::vector<std::string> SweepTally::unlinked() const {
-    const std::size_t n = cameras_.size();
-    const std::size_t first = static_cast<std::size_t>(
-        std::ranges::max_element(tallies_, {}, &CameraTally::num_instants) - tallies_.begin());
-    std::vector<bool> is_linked(n, false);
-    std::vector<std::size_t> open{first};
-    is_linked[first] = true;
-    while (!open.empty()) {
-        const std::size_t a = open.back();
-        open.pop_back();
-        for (std::size_t b = 0; b < n; ++b) {
-            if (is_linked[b] || shared_[a * n + b] < kLinked) continue;
-            is_linked[b] = true;
-            open.push_back(b);
-        }
-    }
-    std::vector<std::string> names;
-    for (std::size_t c = 0; c < n; ++c)
-        if (!is_linked[c]) names.push_back(cameras_[c].nominal.name);
-    return names;
+           tallies_[c].covered.share() >= kEnoughCovered;
 }
 
 bool SweepTally::is_complete() const {
     if (num_counted_ < num_needed()) return false;
     for (std::size_t c = 0; c < cameras_.size(); ++c)
         if (!has_enough(c)) return false;
-    return unlinked().empty();
+    return links_.unlinked(kLinked).empty();
 }
 
 std::string SweepTally::need_of(std::size_t c) const {
@@ -267,8 +198,8 @@ std::string SweepTally::need_of(std::size_t c) const {
     const std::string counted =
         tally.num_instants < num_needed_of_each()
             ? fmt::format("{} of {}", tally.num_instants, num_needed_of_each())
-            : fmt::format("{:.0f} % of its picture", 100.0 * tally.coverage());
-    return fmt::format("{}, sweep its {}", counted, part_to_sweep(tally.covered));
+            : fmt::format("{:.0f} % of its picture", 100.0 * tally.covered.share());
+    return fmt::format("{}, sweep its {}", counted, tally.covered.emptiest_part());
 }
 
 std::string SweepTally::progress(std::size_t most_characters) const {
@@ -283,19 +214,15 @@ std::string SweepTally::progress(std::size_t most_characters) const {
     for (const std::size_t c : needy)
         parts.push_back(fmt::format("{}: {}", cameras_[c].nominal.name, need_of(c)));
     if (needy.empty()) {
-        const std::vector<std::string> apart = unlinked();
+        std::vector<std::string> apart;
+        for (const std::size_t c : links_.unlinked(kLinked))
+            apart.push_back(cameras_[c].nominal.name);
         if (!apart.empty())
             parts.push_back(fmt::format("sweep where {} and the others see the wand at once",
                                         fmt::join(apart, ", ")));
     }
     if (!enough.empty()) parts.push_back(fmt::format("enough: {}", fmt::join(enough, ", ")));
-    for (const std::string& part : parts) {
-        constexpr std::size_t kRest = 5;  // "; ..."
-        if (most_characters > 0 && text.size() + part.size() + 2 + kRest > most_characters)
-            return text + "; ...";
-        text += "; " + part;
-    }
-    return text;
+    return progress_line(std::move(text), parts, most_characters);
 }
 
 LightPoints SweepTally::points() const {

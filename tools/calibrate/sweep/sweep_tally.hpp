@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tools/calibrate/sweep/camera_links.hpp"
+#include "tools/calibrate/sweep/covered_fields.hpp"
 #include "tools/calibrate/sweep/detect_lights.hpp"
 #include "tools/calibrate/sweep/fixed_spots.hpp"
 #include "tools/calibrate/wand/label_lights.hpp"
@@ -14,21 +16,17 @@
 
 namespace atrium::calibrate {
 
-/// Fields of a picture, kFields x kFields, row by row.
-inline constexpr int kFields = 8;
-using CoveredFields = std::array<bool, static_cast<std::size_t>(kFields* kFields)>;
-
 /// What a camera has seen of a sweep.
 struct CameraTally {
+    explicit CameraTally(const NominalCamera& camera) : covered(camera.width, camera.height) {}
+
+    CoveredFields covered;  // by the wand at instants that count
     std::size_t num_pictures = 0;
-    std::size_t num_with_lights = 0;  // pictures with a light that moves
-    std::size_t num_instants = 0;     // that count, and show it the whole wand
-    CoveredFields covered{};
+    std::size_t num_with_lights = 0;         // pictures with a light that moves
+    std::size_t num_instants = 0;            // that count, and show it the whole wand
     std::vector<Eigen::Vector2d> wand_px;    // in the last picture
     std::vector<Eigen::Vector2d> others_px;  // other spots in the last picture
     double background = 0.0;                 // of the last picture [grey levels]
-
-    double coverage() const;
 };
 
 struct TallyOptions {
@@ -92,13 +90,12 @@ private:
     void warn(std::size_t camera, std::size_t kind, std::string text);
     void count();
     bool has_enough(std::size_t camera) const;
-    std::vector<std::string> unlinked() const;
 
     LightLabeller labeller_;
     TallyOptions options_;
     std::vector<Camera> cameras_;
     std::vector<CameraTally> tallies_;
-    std::vector<std::size_t> shared_;  // instants that cameras a and b share: a * n + b
+    CameraLinks links_;
     std::size_t num_added_ = 0, num_counted_ = 0;
     std::vector<std::string> warnings_;
 };
