@@ -5,6 +5,7 @@
 #include "tools/calibrate/sweep/covered_fields.hpp"
 #include "tools/calibrate/wand/solve_wand.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,9 +20,11 @@ struct BoardNeeds {
     std::size_t num_shared = 10;  // places at which another camera saw it, too
     double coverage = 0.4;        // of its picture, by corners
 
-    /// The same shares of another number of places.
-    static BoardNeeds of_places(std::size_t num_places) {
-        return {num_places, (num_places + 2) / 3, (2 * num_places + 4) / 5, 0.4};
+    /// The same shares of another number of places; fewer of them cover less, more not more.
+    static BoardNeeds of_places(std::size_t num) {
+        constexpr BoardNeeds kUsual;
+        const double share = static_cast<double>(num) / static_cast<double>(kUsual.num_places);
+        return {num, (num + 2) / 3, (2 * num + 4) / 5, kUsual.coverage * std::min(1.0, share)};
     }
 };
 
