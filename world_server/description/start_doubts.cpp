@@ -17,6 +17,17 @@
 namespace atrium::world_server {
 namespace {
 
+constexpr const char* kEndless =
+    ", a plane, which has no end however large it is drawn (a poster or tabletop is a thin box)";
+
+// True if the middle of the object is not above or below what is drawn of a plane.
+bool is_beside(const physics::RigidObject& object, const physics::RigidObject& plane) {
+    if (plane.shape != physics::ObjectShape::kPlane) return false;
+    const Eigen::Vector3d at =
+        plane.world_from_object.inverse() * object.world_from_object.translation;
+    return 2.0 * std::abs(at.x()) > plane.size_m.x() || 2.0 * std::abs(at.y()) > plane.size_m.y();
+}
+
 constexpr double kNearAnchor_m = 0.1;
 constexpr double kLongArm_m = 1.0;
 
@@ -96,7 +107,9 @@ void doubt_rigid(const WorldDescription& world, std::vector<std::string>& lines)
             deep.push_back(
                 {&object,
                  depth_m,
-                 other.name + (is_fixed ? ", which is fixed" : ", which throws both apart"),
+                 other.name + (is_beside(moving, other.rigid) ? kEndless
+                               : is_fixed                     ? ", which is fixed"
+                                                              : ", which throws both apart"),
                  cause_in_hollow(other, depth_m, [&](const geometry::SurfaceTree& surface) {
                      return depth_in(surface, moving, other);
                  }) + cure_of(object, depth_of)});

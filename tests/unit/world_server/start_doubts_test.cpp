@@ -37,6 +37,18 @@ TEST_F(WorldDoubts, NameAnObjectThatStartsInsideAFixedOne) {
                 ElementsAre(HasSubstr("object_looks_wrong name=b")));
 }
 
+TEST_F(WorldDoubts, SayThatAPlaneHasNoEnd) {
+    const std::string poster =
+        "[[object]]\nname = \"poster\"\nshape = \"plane\"\nsize_m = [1, 0.7]\n"
+        "position_m = [0, 0, 1.5]\nroll_pitch_yaw_deg = [0, 90, 0]\n";
+    EXPECT_THAT(doubts(poster + box("b", 1, "position_m = [-1, 0, 0.3]")),
+                ElementsAre(AllOf(HasSubstr("inside poster, a plane, which has no end"),
+                                  HasSubstr("is a thin box"))));
+    EXPECT_THAT(doubts(poster + box("b", 1, "position_m = [-1, 0, 1.5]")),
+                ElementsAre(HasSubstr("inside poster, which is fixed")));
+    EXPECT_THAT(doubts(poster + box("b", 1, "position_m = [1, 0, 0.3]")), IsEmpty());
+}
+
 TEST_F(WorldDoubts, NameAModelThatLiesOnItsSideInTheFloor) {
     // a flat board, 4 cm high along +Y, at z = 0.03
     put("board.obj",

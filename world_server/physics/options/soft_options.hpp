@@ -68,8 +68,8 @@ struct SoftHandleOptions {
 struct SoftOptions {
     double substep_s = 1.0 / 480.0;
     int max_substeps = 16;  // per tick
-    // A volume under a body that has more than so many times its mass needs shorter substeps, by
-    // the square root of what is beyond.
+    // A volume, or those nodes of a cloth, under a body that has more than so many times their mass
+    // need shorter substeps, by the square root of what is beyond.
     float heavy_load = 4.0F;
     int num_iterations = 2;  // solver iterations per substep
     // Nodes further apart than about two fingers let fingers through. Then face centres are

@@ -72,9 +72,11 @@ public:
     // Order of calls in a tick, after the tick of the rigid bodies: begin_tick; for each substep
     // begin_substep, solve in each iteration, end_substep; then end_tick.
     void begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& anchored);
-    /// Of a volume: mass of the heaviest body that may rest on it in this tick, in own masses.
+    /// The most that a body may press in this tick: its mass in masses of a volume, or of what it
+    /// touches of a cloth or rope.
     btScalar load() const {
-        return volume_ ? contacts_.heaviest_kg() / btScalar(object_.mass_kg) : btScalar(0);
+        return volume_ ? contacts_.heaviest_kg() / btScalar(object_.mass_kg)
+                       : contacts_.heaviest_load();
     }
     void begin_substep(const SoftSubstep& substep);
     void solve(const SoftSubstep& substep, int iteration);

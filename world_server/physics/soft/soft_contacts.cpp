@@ -168,6 +168,7 @@ void SoftContacts::find_with(const btSoftBody& soft,
         auto contact = find_contact_on_path(body, supports, ways_[i], setup);
         if (!contact) continue;
         contact->sample = skin.samples[i];
+        contact->sample_kg = 1 / ways_[i].inverse_mass;
         contact->friction = std::sqrt(setup.friction * body.getFriction());
         const bool is_asleep = body.getInvMass() > 0 && !body.isActive();
         if (is_asleep && !is_calm_) body.activate();
@@ -288,6 +289,21 @@ btScalar SoftContacts::heaviest_kg() const {
     for (const SoftContact& c : contacts_)
         if (c.body != nullptr && !c.is_carried)
             heaviest = std::max(heaviest, 1 / c.body->getInvMass());
+    return heaviest;
+}
+
+// Of bodies above it. Contacts with one body follow one another.
+btScalar SoftContacts::heaviest_load() const {
+    btScalar heaviest = 0;
+    for (std::size_t i = 0; i < contacts_.size();) {
+        const btRigidBody* body = contacts_[i].body;
+        btScalar touched_kg = 0;
+        for (; i < contacts_.size() && contacts_[i].body == body; ++i)
+            if (contacts_[i].normal.z() < btScalar(-0.7) && !contacts_[i].is_carried)
+                touched_kg += contacts_[i].sample_kg;
+        if (body != nullptr && touched_kg > 0)
+            heaviest = std::max(heaviest, 1 / (body->getInvMass() * touched_kg));
+    }
     return heaviest;
 }
 

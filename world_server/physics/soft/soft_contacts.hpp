@@ -21,10 +21,11 @@ class PeopleField;
 /// A contact constraint: keeps a point of a soft body in front of a moving plane.
 struct SoftContact {
     SoftSample sample;
-    btVector3 normal;    // unit length, towards the soft body
-    btVector3 point;     // [m] point of the plane at the end of the tick
-    btVector3 velocity;  // [m/s] of the plane when the contact was found
-    btScalar depth = 0;  // [m] penetration at the start of the tick
+    btScalar sample_kg = 0;  // of contacts with bodies: effective mass of the sample
+    btVector3 normal;        // unit length, towards the soft body
+    btVector3 point;         // [m] point of the plane at the end of the tick
+    btVector3 velocity;      // [m/s] of the plane when the contact was found
+    btScalar depth = 0;      // [m] penetration at the start of the tick
     btScalar friction = 0;
     btRigidBody* body = nullptr;     // dynamic body that receives the reaction, or null
     btRigidBody* sleeper = nullptr;  // sleeping body that carries a calm soft body, or null
@@ -94,6 +95,9 @@ public:
     btScalar rebound_mps() const;
     /// Mass of the heaviest body that may rest on the soft body [kg]; 0: none.
     btScalar heaviest_kg() const;
+    /// Of a cloth or rope: the mass of a body above it in masses of what it touches, the most of
+    /// all bodies; 0: none.
+    btScalar heaviest_load() const;
     /// Gives carried bodies the sum of the pushes on them. Call after the last substep.
     void load_carriers();
     /// Wakes the sleeping bodies that it touches. Call after the last substep, if the soft body is
