@@ -82,6 +82,14 @@ void declare(RoomConfig& room, config::OptionSet& set) {
             "how long it is in its place before that, after the empty room was learned; in "
             "simulated_cameras, after the first picture [s]; 0: it was bumped before the start",
             {0, 1e6});
+    set.add("simulation.light_percent",
+            room.light_percent,
+            "person: by how much the light grows and fades, as when clouds pass [%]",
+            {0, 90});
+    set.add("simulation.light_period_s",
+            room.light_period_s,
+            "how long the light takes to grow, fade and come back [s]",
+            {1, 1e5});
     set.add("simulation.late_camera",
             room.late_camera,
             "name of a camera whose pictures belong to another instant; empty: none");
@@ -108,6 +116,10 @@ RoomOptions room_options(const RoomConfig& config, double rate_hz) {
     room.noise_lsb = config.noise_lsb;
     room.seed = config.seed;
     return room;
+}
+
+ChangingLight changing_light(const RoomConfig& config) {
+    return {0.01 * config.light_percent, config.light_period_s};
 }
 
 WandRoomOptions wand_room_options(const RoomConfig& config) {

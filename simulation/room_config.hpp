@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/config/option_set.hpp"
+#include "simulation/changing_light.hpp"
 #include "simulation/person.hpp"
 #include "simulation/wand_room.hpp"
 
@@ -31,6 +32,8 @@ struct RoomConfig {
     double bumped_turn_deg = 1.0;
     double bumped_move_mm = 0.0;
     double bumped_after_s = 0.0;
+    double light_percent = 0.0;  // by which the light of the room grows and fades
+    double light_period_s = 600.0;
     std::string late_camera;  // empty: none
     int late_instants = 1;
     std::filesystem::path cache = ".cache/simulation";  // folder of rendered loops; empty: no cache
@@ -41,6 +44,9 @@ void declare(RoomConfig& config, config::OptionSet& set);
 
 /// Returns the room options for cameras of `rate_hz`. Not yet checked: see `check(RoomOptions)`.
 RoomOptions room_options(const RoomConfig& config, double rate_hz);
+
+/// How the light of the room changes.
+ChangingLight changing_light(const RoomConfig& config);
 
 /// Returns the options of the room that shows a wand. Not yet checked: see
 /// `check(WandRoomOptions)`.

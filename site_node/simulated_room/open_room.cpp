@@ -37,7 +37,8 @@ Expected<std::unique_ptr<capture::FrameSource>> open_room(const config::Rig& rig
         last_percent = percent;
         app::log::info("rendering the simulated room {} %", percent);
     };
-    auto source = SimulatedSource::create(rig, room, config.cache, report, stop, *wrong);
+    auto source = SimulatedSource::create(
+        rig, room, config.cache, report, stop, *wrong, simulation::changing_light(config));
     if (!source) return tl::unexpected(source.error());
     if (const std::string& problem = (*source)->cache_problem(); !problem.empty()) {
         app::log::warn("the rendered room cannot be cached reason=\"{}\"", problem);

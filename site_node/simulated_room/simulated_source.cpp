@@ -8,8 +8,10 @@
 
 namespace atrium::simulated_room {
 
-SimulatedSource::SimulatedSource(config::Rig rig, const simulation::WrongCameras& wrong)
-    : rig_(std::move(rig)), wrong_(wrong), counters_(rig_) {}
+SimulatedSource::SimulatedSource(config::Rig rig,
+                                 const simulation::WrongCameras& wrong,
+                                 const simulation::ChangingLight& light)
+    : rig_(std::move(rig)), wrong_(wrong), light_(light), counters_(rig_) {}
 
 Expected<std::unique_ptr<SimulatedSource>> SimulatedSource::create(
     const config::Rig& rig,
@@ -17,8 +19,9 @@ Expected<std::unique_ptr<SimulatedSource>> SimulatedSource::create(
     const std::filesystem::path& cache,
     const simulation::LoopProgress& progress,
     std::stop_token stop,
-    const simulation::WrongCameras& wrong) {
-    std::unique_ptr<SimulatedSource> source(new SimulatedSource(rig, wrong));
+    const simulation::WrongCameras& wrong,
+    const simulation::ChangingLight& light) {
+    std::unique_ptr<SimulatedSource> source(new SimulatedSource(rig, wrong, light));
     const std::vector<geometry::CalibratedCamera> cameras = wrong.rendered(rig.cameras);
     source->rig_.rate_hz = room.rate_hz;
     if (cache.empty()) {
@@ -60,8 +63,9 @@ Expected<void> SimulatedSource::run(std::stop_token stop, const Sink& sink) {
             counters_.count_received(camera);
             sink({camera,
                   now,
-                  loop_.frames[wrong_.shown_instant(camera, instant, num)]
-                              [wrong_.rendered_index(camera, time_s)],
+                  light_.lit(loop_.frames[wrong_.shown_instant(camera, instant, num)]
+                                         [wrong_.rendered_index(camera, time_s)],
+                             time_s),
                   nullptr});
         }
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "simulation/changing_light.hpp"
 #include "simulation/simulated_loop.hpp"
 #include "simulation/wrong_cameras.hpp"
 #include "site_node/capture/frame_source.hpp"
@@ -14,14 +15,15 @@ namespace atrium::simulated_room {
 class SimulatedSource final : public capture::FrameSource {
 public:
     /// `room.rate_hz` is the rate of the source. An empty `cache` keeps nothing. The pictures are
-    /// those of the cameras that `wrong` has instead of the rig's.
+    /// those of the cameras that `wrong` has instead of the rig's, in this light.
     static Expected<std::unique_ptr<SimulatedSource>> create(
         const config::Rig& rig,
         const simulation::RoomOptions& room,
         const std::filesystem::path& cache,
         const simulation::LoopProgress& progress,
         std::stop_token stop,
-        const simulation::WrongCameras& wrong = {});
+        const simulation::WrongCameras& wrong = {},
+        const simulation::ChangingLight& light = {});
 
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return false; }
@@ -40,9 +42,12 @@ public:
     const std::filesystem::path& cache_written() const { return cache_written_; }
 
 private:
-    SimulatedSource(config::Rig rig, const simulation::WrongCameras& wrong);
+    SimulatedSource(config::Rig rig,
+                    const simulation::WrongCameras& wrong,
+                    const simulation::ChangingLight& light);
     config::Rig rig_;
     simulation::WrongCameras wrong_;
+    simulation::ChangingLight light_;
     capture::DeliveryCounters counters_;
     simulation::SimulatedLoop loop_;  // of the cameras that are rendered
     std::string cache_problem_;

@@ -45,7 +45,8 @@ Expected<ShownPictures> show_room(const config::Rig& rig,
                         .empty = none,
                         .motion = none,
                         .rendered = {},
-                        .wrong = *wrong};
+                        .wrong = *wrong,
+                        .light = simulation::changing_light(config)};
     shown.rendered = simulation::rendered_room(rendered, config);
     if (shown.rendered != nullptr) return shown;
     const simulation::RoomOptions room = simulation::room_options(config, rig.rate_hz);
@@ -86,7 +87,11 @@ std::span<const std::uint8_t> picture_of(const ShownPictures& shown,
     }
     if (choice.is_empty_room) return shown.empty[rendered][choice.index];
     const auto& motion = shown.motion[rendered];
-    return motion[shown.wrong.shown_instant(camera, choice.index, motion.size())];
+    const auto& picture = motion[shown.wrong.shown_instant(camera, choice.index, motion.size())];
+    if (shown.light.stays()) return picture;
+    memory = picture;
+    shown.light.light(memory, choice.time_s);
+    return memory;
 }
 
 Expected<ShownPictures> show_recording(const std::filesystem::path& folder,

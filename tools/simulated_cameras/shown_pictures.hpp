@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/config/rig.hpp"
 #include "core/image/raw_image.hpp"
+#include "simulation/changing_light.hpp"
 #include "simulation/rendered_room.hpp"
 #include "simulation/room_config.hpp"
 #include "simulation/simulated_loop.hpp"
@@ -32,6 +33,7 @@ struct ShownPictures {
 
     std::shared_ptr<const simulation::RenderedRoom> rendered;  // null: a person or a recording
     simulation::WrongCameras wrong{};
+    simulation::ChangingLight light{};  // of a person's room
 
     std::size_t num_instants() const {
         return rendered == nullptr ? motion.front().size() : kRenderedInstants;
