@@ -24,10 +24,11 @@ def main(wands, boards, times, page):
     put_faults(wands, page, "wand-trials")
     put_faults(boards, page, "board-trials")
     rows, comment = read_rows(times)
-    out = ["| cameras | instants | time | held out | centres | wand's length |", "|---|---|---|---|---|---|"]
+    out = ["| cameras | instants | time | held out | centres | wand's length | by the true cameras |",
+           "|---|---|---|---|---|---|---|"]
     for row in rows:
         out.append(f"| {row['cameras']} | {row['instants']} | {row['seconds']} s | {row['held out px']} px | {row['centres mm']} mm | "
-                   f"{row['wand length mm']} mm |")
+                   f"{row['wand length mm']} mm | {row['by the true cameras mm']} mm |")
     put_table(page, "wand-times", out, comment)
 
 
