@@ -265,7 +265,7 @@ Expected<void> Viewer::Impl::adapt_quality(Clock::duration busy, Clock::time_poi
 
 void Viewer::Impl::update_status(Clock::time_point now) {
     hud.num_video_dropped = output_files.num_dropped();
-    hud.missing_file = picture.scene.missing_file();
+    hud.bad_files = picture.scene.bad_files();
     hud.other_worlds = membership.other_worlds();
     hud.preparing = membership.sites_other_than(picture.scene.site_names());
     statistics.update(

@@ -6,6 +6,7 @@
 #include "core/bus/names.hpp"
 #include "core/model/model_file.hpp"
 #include "world_server/description/doubts.hpp"
+#include "world_server/description/texture_fingerprints.hpp"
 
 #include <fmt/format.h>
 
@@ -89,14 +90,18 @@ void EditWorker::add_model(const bus::SceneEdit& edit) {
                                   object.model));
     }
     if (models_.size() >= kMaxModels) models_.clear();
-    ModelParts& parts = models_[{object.model, object.model_scale, object.shape}];
-    if (!parts) {
+    Model& model = models_[{object.model, object.model_scale, object.shape}];
+    if (!model.parts) {
         auto loaded = load_model_parts(
             file, object.model_scale, static_cast<physics::ObjectShape>(object.shape));
         if (!loaded) return refuse(edit, loaded.error().message);
-        parts = std::move(loaded->parts);
+        model = {std::move(loaded->parts), loaded->fingerprint};
     }
-    if (!commands_.put_prepared({edit, parts, nullptr})) refuse(edit, "too many edits at once");
+    PreparedEdit prepared{edit, model.parts, nullptr};
+    prepared.edit.object.model_fingerprint = model.fingerprint;
+    prepared.edit.object.texture_fingerprint =
+        texture_fingerprint(config_.models_folder, object.texture);
+    if (!commands_.put_prepared(std::move(prepared))) refuse(edit, "too many edits at once");
 }
 
 void EditWorker::load(const bus::SceneEdit& edit) {

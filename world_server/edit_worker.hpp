@@ -41,6 +41,10 @@ private:
         bus::SceneEdit edit;
         std::string text;  // of a world to write
     };
+    struct Model {
+        ModelParts parts;
+        Fingerprint fingerprint;  // of the file that they were made from
+    };
     bool put(Job job);
     void do_job(const Job& job);
     void add_model(const bus::SceneEdit& edit);
@@ -56,7 +60,7 @@ private:
     std::condition_variable_any changed_;
     std::deque<Job> jobs_;  // guarded by mutex_
     // by file, scale, shape; of the running thread only
-    std::map<std::tuple<std::string, double, bus::Shape>, ModelParts> models_;
+    std::map<std::tuple<std::string, double, bus::Shape>, Model> models_;
 };
 
 }  // namespace atrium::world_server

@@ -4,6 +4,7 @@
 #include "core/bus/checks.hpp"
 #include "core/bus/soft_nodes.hpp"
 #include "core/geometry/aabb.hpp"
+#include "world_server/description/texture_fingerprints.hpp"
 #include "world_server/proxies.hpp"
 #include "world_server/scene_messages.hpp"
 
@@ -140,7 +141,7 @@ Expected<Scene> Scene::restore(const WorldServerConfig& config, const SavedWorld
         scene->world_->remove(object.object);
         scene->objects_.erase(object.object);
     }
-    for (const bus::SceneObject& object : saved.added) {
+    for (bus::SceneObject object : saved.added) {
         if (object.object <= scene->num_described_) {
             return refuse("world state: an added object has the id of a described one");
         }
@@ -151,7 +152,9 @@ Expected<Scene> Scene::restore(const WorldServerConfig& config, const SavedWorld
                                            static_cast<physics::ObjectShape>(object.shape));
             if (!loaded) return tl::unexpected(loaded.error());
             parts = std::move(loaded->parts);
+            object.model_fingerprint = loaded->fingerprint;
         }
+        object.texture_fingerprint = texture_fingerprint(config.models_folder, object.texture);
         if (const auto added = scene->put(object, parts); !added)
             return tl::unexpected(added.error());
     }

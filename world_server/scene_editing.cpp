@@ -233,7 +233,9 @@ Expected<void> Scene::restore_edited(const bus::SceneObject& object) {
             fmt::format("world state: object {} cannot be as it was edited", object.object));
     }
     world_->set_start(object.object, object.world_from_object);
-    found->second = object;
+    const bus::SceneObject described = std::exchange(found->second, object);
+    found->second.model_fingerprint = described.model_fingerprint;
+    found->second.texture_fingerprint = described.texture_fingerprint;
     edited_[object.object] = {1, {}};
     return {};
 }

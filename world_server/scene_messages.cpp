@@ -31,6 +31,8 @@ bus::SceneObject to_message(const WorldObject& object) {
             .model = object.look.model,
             .model_scale = object.look.model_scale,
             .texture = object.look.texture,
+            .model_fingerprint = object.look.model_fingerprint,
+            .texture_fingerprint = object.look.texture_fingerprint,
             .world_from_object = object.rigid.world_from_object};
 }
 
@@ -44,6 +46,7 @@ bus::SceneObject to_message(const WorldSoftObject& object, const Eigen::Vector3d
     message.friction = object.object.friction;
     message.colour = object.colour;
     message.texture = object.texture;
+    message.texture_fingerprint = object.texture_fingerprint;
     message.world_from_object = object.object.world_from_object;
     return message;
 }
@@ -53,6 +56,8 @@ bus::Scenery to_message(const WorldScenery& scenery) {
             .model = scenery.look.model,
             .model_scale = scenery.look.model_scale,
             .texture = scenery.look.texture,
+            .model_fingerprint = scenery.look.model_fingerprint,
+            .texture_fingerprint = scenery.look.texture_fingerprint,
             .colour = scenery.look.colour,
             .world_from_model = scenery.world_from_model};
 }

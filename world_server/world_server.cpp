@@ -31,6 +31,12 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kStatusPeriod{1000};
 constexpr std::chrono::seconds kSkippedPeriod{30};  // between lines about skipped ticks
 
+// Only this server says which files it has.
+void disregard_fingerprints(bus::SceneObject& object) {
+    object.model_fingerprint = {};
+    object.texture_fingerprint = {};
+}
+
 // The reason to end the process without a stop request.
 struct Loss {
     std::mutex mutex;  // guards error
@@ -199,6 +205,7 @@ void WorldServer::Impl::take_commands() {
     const Clock::time_point now = Clock::now();
     count_rejected(endpoints.commands.take(
         [&](bus::SceneCommand&& command) {
+            disregard_fingerprints(command.object);
             const std::string sender = command.sender;
             const bus::CommandKind kind = command.kind;
             const std::uint32_t target = command.target;
@@ -220,6 +227,7 @@ void WorldServer::Impl::take_edits() {
     const Clock::time_point now = Clock::now();
     count_rejected(endpoints.edits.take(
         [&](bus::SceneEdit&& edit) {
+            disregard_fingerprints(edit.object);
             auto why = simulation.commands().admit(edit, now);
             const bool has_room =
                 why ||

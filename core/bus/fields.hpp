@@ -54,6 +54,11 @@ void fields(auto& v, Of<Touch> auto& m, auto& w) {
     v("PersonProxy.touches.point_world", m.point_world, w.point_world, place);
 }
 
+void fields(auto& v, Of<Fingerprint> auto& m, auto& w) {
+    v(m.num_bytes, w.num_bytes);
+    v(m.hash, w.hash);
+}
+
 void fields(auto& v, Of<SavedWorld> auto& m, auto& w) {
     v("SavedWorlds.worlds.name", m.name, w.name, Text::kName);
     v("SavedWorlds.worlds.time", m.time, w.time_ns);
@@ -118,6 +123,8 @@ void fields(auto& v, Of<SceneObject> auto& m, auto& w) {
         "SceneObject.model", !is_model || !m.model.empty(), "a convex or compound shape needs one");
     v("SceneObject.model_scale", m.model_scale, w.model_scale, Positive{kMaxModelScale});
     v("SceneObject.texture", m.texture, w.texture, Text::kModelFileOrNone);
+    v.part(m.model_fingerprint, w.model_fingerprint);
+    v.part(m.texture_fingerprint, w.texture_fingerprint);
     v("SceneObject.world_from_object", m.world_from_object, w.world_from_object);
 }
 
@@ -145,6 +152,8 @@ void fields(auto& v, Of<Scenery> auto& m, auto& w) {
     v("Scenery.model", m.model, w.model, Text::kModelFile);
     v("Scenery.model_scale", m.model_scale, w.model_scale, Positive{kMaxModelScale});
     v("Scenery.texture", m.texture, w.texture, Text::kModelFileOrNone);
+    v.part(m.model_fingerprint, w.model_fingerprint);
+    v.part(m.texture_fingerprint, w.texture_fingerprint);
     v("Scenery.colour", m.colour, w.colour, Range{0, 1});
     v("Scenery.world_from_model", m.world_from_model, w.world_from_model);
 }

@@ -24,6 +24,8 @@ inline constexpr std::size_t kMaxTouches = 256;
 inline constexpr std::size_t kMaxProxyVertices = 4096;
 inline constexpr std::size_t kMaxProxyEdges = 12288;
 inline constexpr double kMaxModelScale = 1e4;  // [m] per unit of a model
+// Viewers draw no larger textures, and world servers read none.
+inline constexpr std::uintmax_t kMaxTextureFileBytes = std::uintmax_t{16} << 20U;
 inline constexpr double kMaxFriction = 10.0;
 inline constexpr double kMaxThickness_m = 1.0;
 inline constexpr double kMaxSoftStep_m = 1.0;  // quantisation step of nodes

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/fingerprint.hpp"
 #include "core/base/timestamp.hpp"
 #include "core/bus/status_messages.hpp"
 #include "core/geometry/aabb.hpp"
@@ -87,6 +88,8 @@ struct SceneObject {
     std::string model;
     double model_scale = 1.0;                    // [m] per unit of the model
     std::string texture;                         // a picture in that folder; empty: none
+    Fingerprint model_fingerprint;               // of the world server's files, for viewers to
+    Fingerprint texture_fingerprint;             // compare theirs; ignored in commands and edits
     geometry::RigidTransform world_from_object;  // initial pose; SceneState has the current one
 };
 
@@ -113,9 +116,11 @@ struct SoftBodyState {
 /// change.
 struct Scenery {
     std::string name;
-    std::string model;  // model, model_scale, texture, colour: as in SceneObject
+    std::string model;  // model, model_scale, texture, fingerprints, colour: as in SceneObject
     double model_scale = 1.0;
     std::string texture;
+    Fingerprint model_fingerprint;
+    Fingerprint texture_fingerprint;
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // of parts without one
     geometry::RigidTransform world_from_model;
 };

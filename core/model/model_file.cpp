@@ -4,6 +4,7 @@
 #include "core/model/assimp_errors.hpp"
 #include "core/model/material_file.hpp"
 #include "core/model/ply_length.hpp"
+#include "core/model/recorded_files.hpp"
 
 #include <Eigen/LU>
 #include <assimp/Importer.hpp>
@@ -17,6 +18,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <memory>
 #include <string_view>
 #include <system_error>
 
@@ -242,15 +244,21 @@ const std::string& model_endings() {
 
 Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
                                             double scale,
-                                            const ModelLimits& limits) {
+                                            const ModelLimits& limits,
+                                            FilesRead* read) {
+    if (read != nullptr) *read = {{}, {{file, file_stamp(file)}}};
     if (auto good = check_file(file, limits); !good) return tl::unexpected(good.error());
     Assimp::Importer importer;
+    auto files = std::make_unique<RecordedFiles>(limits.max_file_bytes);
+    const RecordedFiles& recorded = *files;
+    if (read != nullptr) importer.SetIOHandler(files.release());  // which owns it
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                 aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     const aiScene* scene = importer.ReadFile(
         file.string(),
         aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
             aiProcess_FlipUVs | aiProcess_ValidateDataStructure);
+    if (read != nullptr) *read = recorded.read();
     if (scene == nullptr) {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("{}: {}", file.string(), why_unreadable(file, importer)));

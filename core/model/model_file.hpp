@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "core/base/fingerprint.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
 #include <Eigen/Core>
@@ -63,8 +64,12 @@ const std::string& model_endings();
 /// For untrusted files: checks sizes before and after reading, but relies on Assimp for the
 /// reading. Errors name the file: kNotFound, or kInvalidData if it is damaged, has no triangles or
 /// exceeds `limits`.
+///
+/// `read`, if not null, gets what was read, also of a file that fails: the model and the files of
+/// colours (.mtl) and of vertices (.bin) that it names. Pictures are not read.
 Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
                                             double scale = 1.0,
-                                            const ModelLimits& limits = {});
+                                            const ModelLimits& limits = {},
+                                            FilesRead* read = nullptr);
 
 }  // namespace atrium::model

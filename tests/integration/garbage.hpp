@@ -132,6 +132,8 @@ private:
         w.shape = static_cast<std::uint8_t>(chance(80) ? below(8) : random_());
         if (w.shape >= 5 || chance(10)) name(w.model);
         if (chance(10)) name(w.texture);
+        w.model_fingerprint = {random_(), random_()};
+        w.texture_fingerprint = {random_(), random_()};
         w.model_scale = 1.0;
         if (chance(10)) number(w.model_scale);
         if (chance(10)) number(w.friction);
@@ -184,6 +186,8 @@ private:
         name(w.model);
         w.model_scale = 1.0;
         if (chance(30)) name(w.texture);
+        w.model_fingerprint = {random_(), random_()};
+        w.texture_fingerprint = {random_(), random_()};
         numbers(w.colour);
         pose(w.world_from_model);
     }

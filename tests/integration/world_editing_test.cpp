@@ -1,3 +1,4 @@
+#include "core/model/model_file.hpp"
 #include "tests/integration/editing_viewer.hpp"
 #include "tests/support/source_dir.hpp"
 #include "world_server/world_server.hpp"
@@ -323,6 +324,10 @@ TEST_F(WorldEditing, AddsModelsOfTheServersFolderOnly) {
     ASSERT_TRUE(alice.until([&] { return alice.edit().selected.has_value(); }))
         << "an added object is selected";
     EXPECT_EQ(alice.edit().selected->name, "chair");
+    FilesRead files;
+    ASSERT_TRUE(model::load_model(config_.models_folder / chair.file, 1.0, {}, &files));
+    EXPECT_EQ(alice.objects().at(alice.edit().selected->object).model_fingerprint,
+              files.fingerprint);
     alice.until([&] { return alice.place_of(alice.edit().selected->object).z() < 0.5; });
     alice.draw("6_model");
     chair.file = "models/nowhere.obj";

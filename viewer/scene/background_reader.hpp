@@ -15,8 +15,9 @@
 
 namespace atrium::viewer {
 
-/// Reads values by key on its own thread, each once and in order of request, so the drawing thread
-/// never waits for a disk. At most kAhead results wait to be taken, which bounds the memory.
+/// Reads values by key on its own thread, each once unless it is wanted again, and in order of
+/// request, so the drawing thread never waits for a disk. At most kAhead results wait to be taken,
+/// which bounds the memory.
 template <typename Key, typename Value>
 class BackgroundReader {
 public:
@@ -33,6 +34,15 @@ public:
         {
             const std::lock_guard lock(mutex_);
             if (!wanted_.insert(key).second) return;
+            waiting_.push_back(key);
+        }
+        changed_.notify_one();
+    }
+    /// Requests `key` even if it was read before. It must not be waiting.
+    void want_again(const Key& key) {
+        {
+            const std::lock_guard lock(mutex_);
+            wanted_.insert(key);
             waiting_.push_back(key);
         }
         changed_.notify_one();

@@ -20,4 +20,12 @@ std::string advice_about(const Error& failure,
     return "give the folder of the world's models and textures with --viewer.models";
 }
 
+std::string differs_line(const std::string& kind,
+                         const std::string& file,
+                         const std::filesystem::path& folder) {
+    return kind + "_differs name=" + file +
+           ": the world's server has another version; copy it from there into " +
+           (folder.empty() ? "." : folder.string());
+}
+
 }  // namespace atrium::viewer

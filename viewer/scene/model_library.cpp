@@ -55,11 +55,22 @@ bool is_painted(const model::ModelPart& part) { return !part.vertex_colours.empt
 }  // namespace
 
 ModelLibrary::ModelLibrary(const std::filesystem::path& folder)
-    : folder_(folder), reader_([folder](const Key& key) -> Expected<Model> {
-          const auto parts = model::load_model(folder / key.first, key.second);
-          if (!parts) return tl::unexpected(parts.error());
-          return make(*parts);
+    : folder_(folder),
+      versions_(kMaxModels),
+      reader_([folder, files = std::map<Key, FilesRead>()](const Request& request) mutable {
+          return read(folder, request, files[request.key]);
       }) {}
+
+// `files`: of the last time that this model was read.
+Expected<ModelLibrary::Read> ModelLibrary::read(const std::filesystem::path& folder,
+                                                const Request& request,
+                                                FilesRead& files) {
+    if (request.is_check && !files.have_changed()) return Read{};
+    const auto& [file, scale] = request.key;
+    const auto parts = model::load_model(folder / file, scale, {}, &files);
+    if (!parts) return tl::unexpected(parts.error());
+    return Read{make(*parts), files.fingerprint};
+}
 
 ModelLibrary::Model ModelLibrary::make(const std::vector<model::ModelPart>& parts) {
     Model model;
@@ -76,13 +87,21 @@ ModelLibrary::Model ModelLibrary::make(const std::vector<model::ModelPart>& part
     return model;
 }
 
+void ModelLibrary::expect(const std::string& file, const Fingerprint& of_server) {
+    versions_.expect(file, of_server);
+}
+
 const ModelLibrary::Model& ModelLibrary::model(const std::string& file, double scale) {
     static const Model kNone;
     const Key key(file, scale);
     const auto known = models_.find(key);
     if (known != models_.end()) return known->second;
     // the bus has checked the name; it cannot leave the folder
-    if (bus::is_valid_model_file(file) && reader_.num_wanted() < kMaxModels) reader_.want(key);
+    if (bus::is_valid_model_file(file) && versions_.num_read() < kMaxModels &&
+        !reader_.is_wanted({key, false})) {
+        versions_.begin(key, FileVersions::Clock::now());
+        reader_.want({key, false});
+    }
     return kNone;
 }
 
@@ -92,23 +111,40 @@ std::shared_ptr<const renderer::ShapeMesh> ModelLibrary::loaded(const std::strin
     return known == models_.end() ? nullptr : known->second.whole;
 }
 
-std::set<std::string> ModelLibrary::take() {
-    std::set<std::string> files;
-    for (auto& [key, loaded] : reader_.take()) {
-        if (!loaded && complained_.size() < kMaxModels && complained_.insert(key.first).second)
-            app::log::warn(
-                "model_missing {}; a box replaces it; {}",
-                loaded.error().message,
-                advice_about(
-                    loaded.error(), folder_, key.first, "export it again, for example as .glb"));
-        models_[key] = loaded ? std::move(*loaded) : Model{};
-        files.insert(key.first);
+std::set<std::string> ModelLibrary::take(FileVersions::Clock::time_point now) {
+    std::set<std::string> changed;
+    for (auto& [request, read] : reader_.take()) take(request, std::move(read), changed);
+    for (const Key& key : versions_.take_due(now)) reader_.want_again({key, true});
+    return changed;
+}
+
+void ModelLibrary::take(const Request& request,
+                        Expected<Read> read,
+                        std::set<std::string>& changed) {
+    const auto& [key, is_check] = request;
+    const auto known = models_.find(key);
+    // a file that is being copied here cannot be read yet: the model before stays
+    const bool has_model = known != models_.end() && known->second.whole != nullptr;
+    const bool keeps = is_check && (read ? !read->model : has_model);
+    std::optional<Fingerprint> own;
+    if (!keeps) own = read ? read->fingerprint : Fingerprint{};
+    const bool is_news = versions_.end(key, own);
+    if (is_news) app::log::warn("{}", differs_line("model", key.first, folder_));
+    if (!read && !keeps && complained_.size() < kMaxModels &&
+        complained_.insert(key.first).second) {
+        app::log::warn(
+            "model_missing {}; a box replaces it; {}",
+            read.error().message,
+            advice_about(read.error(), folder_, key.first, "export it again, for example as .glb"));
     }
-    return files;
+    if (keeps) return;
+    models_[key] = read ? std::move(*read->model) : Model{};
+    changed.insert(key.first);
 }
 
 void ModelLibrary::forget() {
     reader_.forget();
+    versions_.forget();
     models_.clear();
 }
 

@@ -113,10 +113,25 @@ void SceneView::take_changes(SceneTimeline::Clock::time_point until,
     if (take_from(waiting_.objects) && take_from(waiting_.soft_bodies)) take_from(waiting_.scenery);
 }
 
+// Only of new samples: two objects with different versions of one file, which are shown again
+// whenever it is loaded, must not have it read in turns.
+void SceneView::expect_files(const SceneChanges& changes) {
+    const auto expect = [this](const auto& things) {
+        for (const auto& [key, thing] : things) {
+            if (!thing) continue;
+            models_.expect(thing->model, thing->model_fingerprint);
+            textures_.expect(thing->texture, thing->texture_fingerprint);
+        }
+    };
+    expect(changes.objects);
+    expect(changes.scenery);
+}
+
 // Shows newly loaded textures, and queues the objects whose models were loaded.
-void SceneView::show_new_files(renderer::SceneRenderer& renderer) {
-    for (const auto& [name, picture] : textures_.take()) renderer.set_texture(name, picture);
-    const std::set<std::string> models = models_.take();
+void SceneView::show_new_files(SceneTimeline::Clock::time_point now,
+                               renderer::SceneRenderer& renderer) {
+    for (const auto& [name, picture] : textures_.take(now)) renderer.set_texture(name, picture);
+    const std::set<std::string> models = models_.take(now);
     if (models.empty()) return;
     for (const auto& [id, object] : objects_) {
         if (models.contains(object.model)) waiting_.objects.try_emplace(id, object);
@@ -130,6 +145,7 @@ void SceneView::update(SceneChanges changes,
                        SceneTimeline::Clock::time_point now,
                        const std::optional<Timestamp>& instant,
                        renderer::SceneRenderer& renderer) {
+    expect_files(changes);
     const auto add = [](auto& waiting, auto& newer) {
         newer.merge(waiting);  // a newer change replaces a waiting one
         waiting.swap(newer);
@@ -137,7 +153,7 @@ void SceneView::update(SceneChanges changes,
     add(waiting_.objects, changes.objects);
     add(waiting_.soft_bodies, changes.soft_bodies);
     add(waiting_.scenery, changes.scenery);
-    show_new_files(renderer);
+    show_new_files(now, renderer);
     take_changes(SceneTimeline::Clock::now() + kTimeForChanges, renderer);
     for (auto& [site, description] : changes.sites) {
         if (description == nullptr)
@@ -203,17 +219,27 @@ bool SceneView::is_complete() const {
            models_.is_idle() && textures_.is_idle();
 }
 
-std::string SceneView::missing_file() const {
-    const auto missing_of = [this](const auto& thing) -> std::string {
-        if (!thing.model.empty() && models_.is_missing(thing.model, thing.model_scale))
+template <typename IsModel, typename IsTexture>
+std::string SceneView::file_that(const IsModel& is_model, const IsTexture& is_texture) const {
+    const auto file_of = [&](const auto& thing) -> std::string {
+        if (!thing.model.empty() && is_model(thing.model, thing.model_scale))
             return "model " + thing.model;
-        return textures_.is_missing(thing.texture) ? "texture " + thing.texture : "";
+        return is_texture(thing.texture) ? "texture " + thing.texture : "";
     };
     for (const auto& [id, object] : objects_)
-        if (std::string missing = missing_of(object); !missing.empty()) return missing;
+        if (std::string file = file_of(object); !file.empty()) return file;
     for (const auto& [name, scenery] : scenery_)
-        if (std::string missing = missing_of(scenery); !missing.empty()) return missing;
+        if (std::string file = file_of(scenery); !file.empty()) return file;
     return {};
+}
+
+BadFiles SceneView::bad_files() const {
+    return {file_that(
+                [this](const auto& file, double scale) { return models_.is_missing(file, scale); },
+                [this](const auto& file) { return textures_.is_missing(file); }),
+            file_that([this](const auto& file,
+                             double scale) { return models_.is_different(file, scale); },
+                      [this](const auto& file) { return textures_.is_different(file); })};
 }
 
 void SceneView::clear() {

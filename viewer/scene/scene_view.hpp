@@ -3,6 +3,7 @@
 #include "viewer/control/mouse_grab.hpp"
 #include "viewer/receive/session.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/scene/file_advice.hpp"
 #include "viewer/scene/model_library.hpp"
 #include "viewer/scene/scene_timeline.hpp"
 #include "viewer/scene/soft_timeline.hpp"
@@ -49,9 +50,8 @@ public:
     std::set<std::string> site_names() const;
     /// Whether every model and texture has been read and every change is shown.
     bool is_complete() const;
-    /// A model or texture of the objects and scenery that could not be read: "model chair.obj".
-    /// Empty: none.
-    std::string missing_file() const;
+    /// Of the objects and scenery.
+    BadFiles bad_files() const;
     /// Increases with every change of `objects`.
     std::uint64_t revision() const { return revision_; }
     /// Drops everything; call it when the renderer is destroyed.
@@ -68,7 +68,10 @@ private:
     void change(const std::string& name,
                 const std::optional<bus::Scenery>& scenery,
                 renderer::SceneRenderer& renderer);
-    void show_new_files(renderer::SceneRenderer& renderer);
+    void expect_files(const SceneChanges& changes);
+    void show_new_files(SceneTimeline::Clock::time_point now, renderer::SceneRenderer& renderer);
+    template <typename IsModel, typename IsTexture>
+    std::string file_that(const IsModel& is_model, const IsTexture& is_texture) const;
     void show_soft(std::uint32_t object, renderer::SceneRenderer& renderer);
 
     ModelLibrary models_;

@@ -96,9 +96,12 @@ cv::Mat decode(const std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 Expected<renderer::TexturePicture> read_texture(const std::filesystem::path& file,
-                                                const TextureLimits& limits) {
+                                                const TextureLimits& limits,
+                                                FilesRead* read) {
+    if (read != nullptr) *read = {{}, {{file, file_stamp(file)}}};
     const auto bytes = bytes_of(file, limits.max_file_bytes);
     if (!bytes) return tl::unexpected(bytes.error());
+    if (read != nullptr) read->fingerprint = fingerprint_of(*bytes);
     const auto invalid = [&](const std::string& what) {
         return make_error(ErrorKind::kInvalidData, fmt::format("{}: {}", file.string(), what));
     };
@@ -122,51 +125,83 @@ Expected<renderer::TexturePicture> read_texture(const std::filesystem::path& fil
 }
 
 TextureLibrary::TextureLibrary(const std::filesystem::path& folder, const TextureLimits& limits)
-    : folder_(folder), limits_(limits), reader_([folder, limits](const std::string& file) {
-          return read_texture(folder / file, limits);
+    : folder_(folder),
+      limits_(limits),
+      versions_(limits.max_textures),
+      reader_([folder, limits, all = std::map<std::string, FilesRead>()](
+                  const Request& request) mutable -> Expected<Read> {
+          FilesRead& files = all[request.file];
+          if (request.is_check && !files.have_changed()) return Read{};
+          auto picture = read_texture(folder / request.file, limits, &files);
+          if (!picture) return tl::unexpected(picture.error());
+          return Read{std::move(*picture), files.fingerprint};
       }) {}
+
+void TextureLibrary::expect(const std::string& file, const Fingerprint& of_server) {
+    versions_.expect(file, of_server);
+}
 
 void TextureLibrary::want(const std::string& file) {
     // the bus has checked the name; it cannot leave the folder
-    if (!bus::is_valid_model_file(file) || reader_.is_wanted(file)) return;
-    const std::size_t num_wanted = reader_.num_wanted();
+    if (!bus::is_valid_model_file(file) || reader_.is_wanted({file, false})) return;
+    const std::size_t num_wanted = versions_.num_read();
     if (num_wanted >= limits_.max_textures)
         return complain(file, fmt::format("the limit is {} textures", num_wanted), kUseFewer);
-    reader_.want(file);
+    versions_.begin(key_of(file), FileVersions::Clock::now());
+    reader_.want({file, false});
 }
 
-std::vector<TextureLibrary::Loaded> TextureLibrary::take() {
+std::vector<TextureLibrary::Loaded> TextureLibrary::take(FileVersions::Clock::time_point now) {
     std::vector<Loaded> loaded;
-    for (auto& [file, picture] : reader_.take()) {
-        if (!picture) {
-            complain(file,
-                     picture.error().message,
-                     advice_about(picture.error(), folder_, file, "save it again as PNG or JPEG"));
-            continue;
-        }
-        const std::size_t num_pixels = picture->rgba.size() / 4;
-        if (num_pixels_ + num_pixels > limits_.max_pixels) {
-            complain(file,
-                     fmt::format("all textures together exceed the limit of {} pixels",
-                                 limits_.max_pixels),
-                     kUseFewer);
-            continue;
-        }
-        num_pixels_ += num_pixels;
-        loaded.emplace_back(file, std::move(*picture));
-    }
+    for (auto& [request, read] : reader_.take()) take(request, std::move(read), loaded);
+    for (const auto& [file, scale] : versions_.take_due(now)) reader_.want_again({file, true});
     return loaded;
+}
+
+void TextureLibrary::take(const Request& request,
+                          Expected<Read> read,
+                          std::vector<Loaded>& loaded) {
+    const auto& [file, is_check] = request;
+    const auto known = num_pixels_.find(file);
+    const std::size_t num_before = known == num_pixels_.end() ? 0 : known->second;
+    // a file that is being copied here cannot be read yet: the texture before stays
+    const bool keeps = is_check && (read ? !read->picture : num_before > 0);
+    std::optional<Fingerprint> own;
+    if (!keeps) own = read ? read->fingerprint : Fingerprint{};
+    if (versions_.end(key_of(file), own))
+        app::log::warn("{}", differs_line("texture", file, folder_));
+    if (keeps) return;
+    if (!read) {
+        return complain(file,
+                        read.error().message,
+                        advice_about(read.error(), folder_, file, "save it again as PNG or JPEG"));
+    }
+    const std::size_t num_pixels = read->picture->rgba.size() / 4;
+    if (num_all_pixels_ - num_before + num_pixels > limits_.max_pixels) {
+        return complain(
+            file,
+            fmt::format("all textures together exceed the limit of {} pixels", limits_.max_pixels),
+            kUseFewer);
+    }
+    num_all_pixels_ += num_pixels - num_before;
+    num_pixels_[file] = num_pixels;
+    missing_.erase(file);
+    loaded.emplace_back(file, std::move(*read->picture));
 }
 
 void TextureLibrary::forget() {
     reader_.forget();
-    num_pixels_ = 0;
+    versions_.forget();
+    missing_.clear();
+    num_pixels_.clear();
+    num_all_pixels_ = 0;
 }
 
 // Warns once per file.
 void TextureLibrary::complain(const std::string& file,
                               const std::string& why,
                               const std::string& advice) {
+    if (missing_.size() < limits_.max_textures) missing_.insert(file);
     if (complained_.size() >= limits_.max_textures || !complained_.insert(file).second) return;
     app::log::warn("texture_missing {}: {}; drawn in its plain colour; {}", file, why, advice);
 }

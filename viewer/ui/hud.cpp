@@ -55,9 +55,12 @@ void draw_sites(const HudContent& content) {
     if (num_hidden > 0)
         draw_warning(
             fmt::format("{} {} hidden (L)", num_hidden, num_hidden == 1 ? "site is" : "sites are"));
-    if (!content.missing_file.empty())
-        draw_warning(content.missing_file +
+    if (!content.bad_files.missing.empty())
+        draw_warning(content.bad_files.missing +
                      " is missing, damaged or closed: see the log, --viewer.models");
+    if (!content.bad_files.differing.empty())
+        draw_warning(content.bad_files.differing +
+                     " differs: the world's server has another version, see the log");
     for (const SiteLine& line : content.sites)
         if (line.number > 0 && line.is_warning) draw_warning(line.name + ": " + line.state);
 }

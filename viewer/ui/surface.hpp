@@ -6,6 +6,7 @@
 #include "viewer/control/surface_events.hpp"
 #include "viewer/control/world_editing.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/scene/file_advice.hpp"
 #include "viewer/scene/model_folder.hpp"
 #include "viewer/scene/people_view.hpp"
 #include "viewer/ui/history.hpp"
@@ -65,7 +66,7 @@ struct HudContent {
     std::string followed;           // person that the viewpoint follows; empty: nobody
     std::vector<HudLine> warnings;  // from the status reports of sites and worlds
     std::vector<HudLine> details;   // stage times from the status reports
-    std::string missing_file;       // model or texture that could not be read, "model chair.obj"
+    BadFiles bad_files;             // of the world
     std::size_t num_objects = 0;
     std::vector<ObjectLine> objects;  // ordered by number
     EditView edit;

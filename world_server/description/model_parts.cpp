@@ -91,7 +91,8 @@ ModelSurface surface_of(const std::vector<model::ModelPart>& parts) {
 Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
                                        double scale,
                                        physics::ObjectShape shape) {
-    const auto model = model::load_model(file, scale);
+    FilesRead read;
+    const auto model = model::load_model(file, scale, {}, &read);
     if (!model) return tl::unexpected(model.error());
     const std::vector<model::Piece> pieces = pieces_of(*model, file, shape);
     if (pieces.size() > physics::kMaxHullParts) {
@@ -123,7 +124,8 @@ Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
         surface_of(*model),
         model::own_texture_of(*model),
         model::missing_materials_of(*model),
-        model::colours_of(*model)};
+        model::colours_of(*model),
+        read.fingerprint};
 }
 
 }  // namespace atrium::world_server

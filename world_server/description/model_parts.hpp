@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "core/base/fingerprint.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "world_server/description/world_object.hpp"
 #include "world_server/physics/rigid/rigid_object.hpp"
@@ -20,6 +21,7 @@ struct LoadedModel {
     std::string own_texture;                   // picture that the file names; empty: none
     std::string missing_materials;             // see Look
     std::vector<Eigen::Vector3d> own_colours;  // different ones that the file states
+    Fingerprint fingerprint;                   // of the file and those that it names
 };
 
 /// Reads a model and creates its hulls: one around everything for a convex shape, one per part of

@@ -32,6 +32,7 @@ void read_model(config::TableReader& reader, WorldObject& object, KnownModels& k
     look.own_texture = model.own_texture;
     look.missing_materials = model.missing_materials;
     look.own_colours = model.own_colours;
+    look.model_fingerprint = model.fingerprint;
     object.surface = model.surface;
     rigid.parts = model.parts;
     rigid.size_m = physics::extents_of(*model.parts);

@@ -21,6 +21,7 @@ struct WorldSoftObject {
     double model_scale = 1.0;               // [m] per unit of the model
     std::string own_texture = {};           // picture that the model's file names; not drawn
     std::vector<Eigen::Vector3d> own_colours = {};  // see Look
+    Fingerprint texture_fingerprint = {};           // see Look
     physics::SoftObject object;
     std::string where = {};  // place of its position in the file, for errors; empty: unknown
 };

@@ -28,8 +28,10 @@ void append(geometry::TriangleMesh& sum,
 void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     Look& look = scenery.look;
     if (!read_model_name(reader, look.model, look.model_scale)) return;
-    const auto model = model::load_model(file_of(reader, look.model), look.model_scale);
+    FilesRead read;
+    const auto model = model::load_model(file_of(reader, look.model), look.model_scale, {}, &read);
     if (!model) return reject_model(reader, model.error());
+    look.model_fingerprint = read.fingerprint;
     look.own_texture = model::own_texture_of(*model);
     look.missing_materials = model::missing_materials_of(*model);
     const bool has_colours = std::ranges::all_of(*model, [](const model::ModelPart& part) {

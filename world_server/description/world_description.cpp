@@ -5,6 +5,7 @@
 #include "world_server/description/objects.hpp"
 #include "world_server/description/puppets.hpp"
 #include "world_server/description/surroundings.hpp"
+#include "world_server/description/texture_fingerprints.hpp"
 
 namespace atrium::world_server {
 namespace {
@@ -35,6 +36,7 @@ void read_world(config::TableReader& reader, WorldDescription& description) {
     read_scenery(reader, materials, description.scenery);
     read_placements(reader, description.placements);
     read_rights(reader, description.rights);
+    fingerprint_textures(description);
 }
 
 }  // namespace atrium::world_server

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/fingerprint.hpp"
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/rigid_transform.hpp"
 #include "core/geometry/triangle_mesh.hpp"
@@ -23,6 +24,8 @@ struct Look {
     std::string missing_materials{};  // file of the colours that the model's file names
     /// Colours of the model's file, if the world file states neither colour nor texture for it.
     std::vector<Eigen::Vector3d> own_colours{};
+    Fingerprint model_fingerprint{};  // of what was read; unknown: nothing
+    Fingerprint texture_fingerprint{};
 };
 
 /// The surface of a convex or compound object's model, welded and facing outwards, in the object's

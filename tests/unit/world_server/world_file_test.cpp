@@ -1,6 +1,7 @@
 #include "tests/support/world/load_world.hpp"
 #include "world_server/config.hpp"
 #include "world_server/scene.hpp"
+#include "world_server/scene_messages.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -60,6 +61,55 @@ const std::string kCorner =
     "[[object]]\nname = \"corner\"\nshape = \"convex\"\nmodel = \"models/corner.obj\"\n";
 const std::string kBall =
     "[[object]]\nname = \"ball\"\nshape = \"sphere\"\ndiameter_m = 0.2\nmass_kg = 0.4\n";
+
+TEST_F(WorldFile, GivesItsFilesFingerprintsForTheViewers) {
+    const auto config =
+        read("[[material]]\nname = \"clay\"\ntexture = \"models/paint.png\"\n" + kCorner +
+             "material = \"clay\"\nmass_kg = 1\n" + kBall +
+             "[[scenery]]\nname = \"stage\"\nmodel = \"models/flat.obj\"\n"
+             "[[soft]]\nname = \"flag\"\nshape = \"cloth\"\nsize_m = [1, 1]\nmass_kg = 0.2\n"
+             "texture = \"models/paint.png\"\nposition_m = [0, 3, 3]\n");
+    ASSERT_TRUE(config) << config.error().message;
+    const auto of = [this](const char* file) { return fingerprint_of(folder_ / file, 10'000); };
+    ASSERT_TRUE(of("models/corner.obj").is_known());
+    const auto scene = Scene::create(*config);
+    ASSERT_TRUE(scene) << scene.error().message;
+    const auto objects = scene->objects();
+    ASSERT_EQ(objects.size(), 3U);
+    EXPECT_EQ(objects[0].model_fingerprint, of("models/corner.obj"));
+    EXPECT_EQ(objects[0].texture_fingerprint, of("models/paint.png"));
+    EXPECT_FALSE(objects[1].model_fingerprint.is_known());
+    EXPECT_FALSE(objects[1].texture_fingerprint.is_known());
+    EXPECT_EQ(objects[2].texture_fingerprint, of("models/paint.png"));
+    const bus::Scenery stage = to_message(config->scenery.at(0));
+    EXPECT_EQ(stage.model_fingerprint, of("models/flat.obj"));
+    EXPECT_FALSE(stage.texture_fingerprint.is_known());
+}
+
+// An added model and an edited object keep the versions of this start, which the state lacks.
+TEST_F(WorldFile, FingerprintsTheFilesOfARestoredScene) {
+    const auto config = read(kCorner + "mass_kg = 1\ntexture = \"models/paint.png\"\n");
+    ASSERT_TRUE(config) << config.error().message;
+    auto scene = Scene::create(*config);
+    ASSERT_TRUE(scene) << scene.error().message;
+    SavedWorld saved;
+    scene->save(saved);
+    bus::SceneObject added = scene->objects().front();
+    added.object = 1000;
+    added.model_fingerprint = added.texture_fingerprint = {7, 7};
+    saved.added = {added};
+    bus::SceneObject edited = scene->objects().front();
+    edited.model_fingerprint = edited.texture_fingerprint = {};
+    saved.edited = {edited};
+    const auto restored = Scene::restore(*config, saved);
+    ASSERT_TRUE(restored) << restored.error().message;
+    const auto objects = restored->objects();
+    ASSERT_EQ(objects.size(), 2U);
+    for (const bus::SceneObject& object : objects) {
+        EXPECT_EQ(object.model_fingerprint, fingerprint_of(folder_ / "models/corner.obj", 10'000));
+        EXPECT_EQ(object.texture_fingerprint, fingerprint_of(folder_ / "models/paint.png", 10'000));
+    }
+}
 
 TEST_F(WorldFile, ReadsModelsMaterialsAndTextures) {
     const auto config = read(

@@ -159,5 +159,66 @@ TEST_F(ModelLibraryTest, ColoursSceneryForWhichTheFileStatesNoColour) {
     }
 }
 
+TEST_F(ModelLibraryTest, ReadsAChangedFileAgainWhenTheServerHasIt) {
+    const bus::SceneObject thing = object("tetra.obj", 1.0);
+    const fs::path file = root_ / "models" / "tetra.obj";
+    const auto first = look_in_the_end(thing, renderer::ShapeKind::kBox);
+    auto now = FileVersions::Clock::now();
+    // looks for changed files, and returns what was read anew
+    const auto look_again = [&] {
+        now += FileVersions::kPeriod;
+        std::set<std::string> changed = library_.take(now);
+        while (!library_.is_idle()) changed.merge(library_.take(now));
+        return changed;
+    };
+    std::ofstream(file, std::ios::app) << "v 0 0 2\nf 1 3 5\n";
+    EXPECT_TRUE(look_again().empty()) << "nobody says that it has changed";
+    library_.expect("tetra.obj", fingerprint_of(file, 10'000));
+    EXPECT_FALSE(library_.is_different("tetra.obj", 1.0)) << "it was not looked at yet";
+    EXPECT_TRUE(look_again().contains("tetra.obj"));
+    const auto second = library_.look_of(thing, renderer::ShapeKind::kBox);
+    ASSERT_TRUE(second.model);
+    EXPECT_EQ(second.model->indices.size(), first.model->indices.size() + 3);
+    EXPECT_FALSE(library_.is_different("tetra.obj", 1.0));
+
+    library_.expect("tetra.obj", {1, 1});
+    EXPECT_TRUE(look_again().empty()) << "the file has not changed";
+    EXPECT_TRUE(library_.is_different("tetra.obj", 1.0));
+    EXPECT_EQ(library_.look_of(thing, renderer::ShapeKind::kBox).model, second.model);
+    // half of a file that is being copied
+    std::ofstream(file, std::ios::trunc) << "v 0 0 0\n";
+    EXPECT_TRUE(look_again().empty());
+    EXPECT_EQ(library_.look_of(thing, renderer::ShapeKind::kBox).model, second.model);
+    EXPECT_TRUE(library_.is_different("tetra.obj", 1.0));
+    EXPECT_FALSE(library_.is_missing("tetra.obj", 1.0));
+}
+
+// The colours of an OBJ file are in another one, which may have changed alone.
+TEST_F(ModelLibraryTest, ComparesTheFilesThatAModelNames) {
+    const fs::path folder = root_ / "models";
+    const auto write = [&](const std::string& colour) {
+        std::ofstream(folder / "red.mtl") << "newmtl c\nKd " << colour << "\n";
+    };
+    std::ofstream(folder / "coloured.obj") << "mtllib red.mtl\nusemtl c\nv 0 0 0\nv 1 0 0\n"
+                                              "v 0 1 0\nf 1 2 3\n";
+    FilesRead absent;
+    FilesRead red;
+    FilesRead blue;
+    ASSERT_TRUE(model::load_model(folder / "coloured.obj", 1.0, {}, &absent));
+    write("1 0 0");
+    EXPECT_TRUE(absent.have_changed()) << "the file of colours has come";
+    ASSERT_TRUE(model::load_model(folder / "coloured.obj", 1.0, {}, &red));
+    write("0 0 1");
+    EXPECT_TRUE(red.have_changed());
+    ASSERT_TRUE(model::load_model(folder / "coloured.obj", 1.0, {}, &blue));
+    EXPECT_EQ(absent.fingerprint, fingerprint_of(folder / "coloured.obj", 10'000));
+    EXPECT_EQ(blue.fingerprint,
+              fingerprint_of({fingerprint_of(folder / "red.mtl", 10'000),
+                              fingerprint_of(folder / "coloured.obj", 10'000)}));
+    EXPECT_NE(red.fingerprint, blue.fingerprint);
+    EXPECT_NE(red.fingerprint, absent.fingerprint);
+    EXPECT_FALSE(blue.have_changed());
+}
+
 }  // namespace
 }  // namespace atrium::viewer

@@ -151,5 +151,34 @@ TEST_F(TextureLibraryTest, HoldsNoMorePixelsThanItsLimit) {
     EXPECT_FALSE(all.contains("photo.jpg"));
 }
 
+TEST_F(TextureLibraryTest, ReadsAChangedPictureAgainWhenTheServerHasIt) {
+    TextureLibrary library(root_ / "in", {.max_pixels = 50});
+    library.want("rgb.png");
+    EXPECT_EQ(wait_for(library, 1).at("rgb.png").width, 6);
+    auto now = FileVersions::Clock::now();
+    const auto look_again = [&] {
+        now += FileVersions::kPeriod;
+        auto loaded = library.take(now);
+        while (!library.is_idle())
+            for (auto& texture : library.take(now)) loaded.push_back(std::move(texture));
+        return loaded;
+    };
+    // 6 x 8 pixels would exceed the limit together with those that they replace
+    ASSERT_TRUE(cv::imwrite((root_ / "in/rgb.png").string(), cv::Mat(8, 6, CV_8UC1, 7)));
+    EXPECT_TRUE(look_again().empty()) << "nobody says that it has changed";
+    library.expect("rgb.png", fingerprint_of(root_ / "in/rgb.png", 10'000));
+    const auto loaded = look_again();
+    ASSERT_EQ(loaded.size(), 1U);
+    EXPECT_EQ(loaded.front().second.height, 8);
+    EXPECT_FALSE(library.is_different("rgb.png"));
+    library.expect("rgb.png", {1, 1});
+    EXPECT_TRUE(look_again().empty());
+    EXPECT_TRUE(library.is_different("rgb.png"));
+    write("rgb.png", "half of a pict");
+    EXPECT_TRUE(look_again().empty());
+    EXPECT_TRUE(library.is_different("rgb.png"));
+    EXPECT_FALSE(library.is_missing("rgb.png")) << "the picture before is still drawn";
+}
+
 }  // namespace
 }  // namespace atrium::viewer

@@ -1,0 +1,47 @@
+#include "core/model/recorded_files.hpp"
+
+#include <assimp/IOStream.hpp>
+
+#include <algorithm>
+#include <vector>
+
+namespace atrium::model {
+
+// Null if too many files are noted already.
+RecordedFiles::Noted* RecordedFiles::note(const char* file) const {
+    const std::filesystem::path path = std::filesystem::path(file).lexically_normal();
+    const auto known = files_.find(path);
+    if (known != files_.end()) return &known->second;
+    if (files_.size() >= kMaxFiles) return nullptr;
+    return &files_.emplace(path, Noted{file_stamp(path), {}}).first->second;
+}
+
+bool RecordedFiles::Exists(const char* file) const {
+    note(file);
+    return DefaultIOSystem::Exists(file);
+}
+
+Assimp::IOStream* RecordedFiles::Open(const char* file, const char* mode) {
+    Noted* noted = note(file);
+    Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
+    if (stream == nullptr || noted == nullptr || noted->fingerprint.is_known()) return stream;
+    // Assimp opens a file several times: the first time counts
+    std::vector<std::uint8_t> bytes(std::min<std::uintmax_t>(stream->FileSize(), max_bytes_));
+    bytes.resize(stream->Read(bytes.data(), 1, bytes.size()));
+    stream->Seek(0, aiOrigin_SET);
+    noted->fingerprint = fingerprint_of(bytes);
+    return stream;
+}
+
+FilesRead RecordedFiles::read() const {
+    FilesRead read;
+    std::vector<Fingerprint> opened;
+    for (const auto& [file, noted] : files_) {
+        read.files.emplace_back(file, noted.stamp);
+        if (noted.fingerprint.is_known()) opened.push_back(noted.fingerprint);
+    }
+    read.fingerprint = fingerprint_of(std::move(opened));
+    return read;
+}
+
+}  // namespace atrium::model
