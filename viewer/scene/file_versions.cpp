@@ -30,7 +30,7 @@ void FileVersions::sort_in(const Key& key, const File& file) {
 
 void FileVersions::begin(const Key& key, Clock::time_point now) {
     File& file = files_[key];
-    file.compared_with = expected(key.first);
+    file.asked_for = expected(key.first);
     file.looked_at = now;
     file.is_reading = true;
 }
@@ -38,6 +38,7 @@ void FileVersions::begin(const Key& key, Clock::time_point now) {
 bool FileVersions::end(const Key& key, const std::optional<Fingerprint>& own) {
     File& file = files_[key];
     file.is_reading = false;
+    file.compared_with = file.asked_for;
     if (own) file.own = *own;
     sort_in(key, file);
     return is_different(key) && said_.size() < max_files_ &&
@@ -55,7 +56,6 @@ std::vector<FileVersions::Key> FileVersions::take_due(Clock::time_point now) {
     return due;
 }
 
-// Only once the file was looked at since the server has this version: it may be new here, too.
 bool FileVersions::is_different(const Key& key) const {
     if (!suspects_.contains(key)) return false;
     const File& file = files_.at(key);

@@ -35,7 +35,8 @@ public:
     bool end(const Key& key, const std::optional<Fingerprint>& own);
     /// Files to look at again; calls `begin` for each.
     std::vector<Key> take_due(Clock::time_point now);
-    /// Whether the file has been read and is another version than the server's.
+    /// Whether the file is another version than the server's, also after a look since the server
+    /// has this version: it may have been replaced here, too.
     bool is_different(const Key& key) const;
     std::size_t num_read() const { return files_.size(); }
     /// Drops everything except for what was said.
@@ -44,7 +45,8 @@ public:
 private:
     struct File {
         Fingerprint own;
-        Fingerprint compared_with;    // the server's version as `begin` was last called
+        Fingerprint asked_for;        // the server's version when `begin` was last called
+        Fingerprint compared_with;    // the one that `own` was last compared with
         Clock::time_point looked_at;  // when `begin` was last called
         bool is_reading = false;
     };

@@ -47,6 +47,7 @@ TEST_F(FileVersionsTest, LooksAgainWhenTheServerHasANewVersionBeforeItSaysSo) {
     EXPECT_FALSE(versions_.is_different(kKettle)) << "it may have been replaced here, too";
     EXPECT_EQ(versions_.take_due(now_), Keys{kKettle});
     EXPECT_EQ(versions_.take_due(now_ + 2 * FileVersions::kPeriod), Keys{}) << "it is being read";
+    EXPECT_FALSE(versions_.is_different(kKettle));
     EXPECT_FALSE(versions_.end(kKettle, kNew));
     wait();
     EXPECT_EQ(versions_.take_due(now_), Keys{});
@@ -60,6 +61,7 @@ TEST_F(FileVersionsTest, SaysOnceThatAFileDiffersAndLooksOnceAPeriod) {
     for (int i = 0; i < 3; ++i) {
         wait();
         EXPECT_EQ(versions_.take_due(now_), Keys{kKettle});
+        EXPECT_TRUE(versions_.is_different(kKettle)) << "until it was read";
         EXPECT_FALSE(versions_.end(kKettle, std::nullopt)) << "said already";
         EXPECT_TRUE(versions_.is_different(kKettle));
     }
