@@ -4,6 +4,7 @@
 
 #include <assimp/DefaultIOSystem.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>

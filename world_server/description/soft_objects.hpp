@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/fingerprint.hpp"
 #include "core/config/table_reader.hpp"
 #include "world_server/description/material.hpp"
 #include "world_server/description/world_object.hpp"

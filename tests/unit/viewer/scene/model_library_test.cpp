@@ -220,5 +220,29 @@ TEST_F(ModelLibraryTest, ComparesTheFilesThatAModelNames) {
     EXPECT_FALSE(blue.have_changed());
 }
 
+TEST_F(ModelLibraryTest, ComparesTheVerticesBesideAGltfFile) {
+    const fs::path file = root_ / "models" / "three.gltf";
+    const fs::path beside = root_ / "models" / "three.bin";
+    std::ofstream(file)
+        << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+        << R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+        << R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)"
+        << R"("bufferViews":[{"buffer":0,"byteLength":36}],)"
+        << R"("buffers":[{"uri":"three.bin","byteLength":36}]})";
+    const auto read_with = [&](float height_m) {
+        const float vertices[9] = {0, 0, 0, 1, 0, 0, 0, height_m, 0};
+        std::ofstream(beside, std::ios::binary)
+            .write(reinterpret_cast<const char*>(vertices), sizeof(vertices));
+        FilesRead files;
+        const auto parts = model::load_model(file, 1.0, {}, &files);
+        EXPECT_TRUE(parts) << parts.error().message;
+        return files.fingerprint;
+    };
+    const Fingerprint low = read_with(1.0F);
+    EXPECT_EQ(low.num_bytes, fs::file_size(file) + 36);
+    EXPECT_EQ(read_with(1.0F), low);
+    EXPECT_NE(read_with(2.0F), low);
+}
+
 }  // namespace
 }  // namespace atrium::viewer
