@@ -13,6 +13,10 @@ namespace {
 
 constexpr double kLevel_m = 0.01;
 constexpr double kHalfSole_m2 = 0.01;
+// Soles of smaller hulls are smaller by the square: of children, and of adults in a rig whose
+// lengths are too short, whose calves would else be the first section with half a sole.
+constexpr double kWholeSole_m = 1.5;
+constexpr double kLowest_m = 0.2;
 constexpr double kTallest_m = 3.5;
 // A hull as high as a whole person who sits or stands. Lower ones may be the upper half of a person
 // behind a table, higher ones hold ghosts or several people above each other.
@@ -109,14 +113,17 @@ LowerEnd lower_end_of(const hull::SilhouetteView& view, const Eigen::Vector3d& f
 
 std::optional<Footing> find_footing(const geometry::TriangleMesh& hull) {
     const geometry::Aabb extent = geometry::bounds(hull);
-    if (extent.empty() || !(extent.size().z() < kTallest_m)) return std::nullopt;
+    if (extent.empty() || !(extent.size().z() < kTallest_m) || extent.size().z() < kLowest_m)
+        return std::nullopt;
+    const double size = std::min(1.0, extent.size().z() / kWholeSole_m);
+    const double least_m2 = kHalfSole_m2 * size * size;
     Eigen::Vector3d origin = extent.centre();
     origin.z() = extent.min.z();
     const auto num_levels = static_cast<std::size_t>(extent.size().z() / kLevel_m) + 1;
     const std::vector<Section> sections = cut_levels(hull, origin, num_levels);
     for (std::size_t i = 0; i < num_levels; ++i) {
         const Section& section = sections[i];
-        if (section.area_m2 < kHalfSole_m2) continue;
+        if (section.area_m2 < least_m2) continue;
         const Eigen::Vector2d middle = section.moment / section.area_m2;
         const double above_m = static_cast<double>(i) * kLevel_m;
         return Footing{origin + Eigen::Vector3d(middle.x(), middle.y(), above_m),
@@ -125,15 +132,20 @@ std::optional<Footing> find_footing(const geometry::TriangleMesh& hull) {
     return std::nullopt;
 }
 
+bool sees_place(std::span<const views::NamedView> views,
+                const Eigen::Vector3d& place_site,
+                bool knows_outside) {
+    const auto num_seeing =
+        static_cast<std::size_t>(std::ranges::count_if(views, [&](const auto& view) {
+            return Projector(view.view, knows_outside).is_in_picture(place_site);
+        }));
+    return num_seeing >= 2 && (num_seeing == views.size() || !knows_outside);
+}
+
 bool sees_floor(std::span<const views::NamedView> views,
                 const Eigen::Vector3d& feet_site,
                 bool knows_outside) {
-    const Eigen::Vector3d on_floor(feet_site.x(), feet_site.y(), 0.0);
-    const auto num_seeing =
-        static_cast<std::size_t>(std::ranges::count_if(views, [&](const auto& view) {
-            return Projector(view.view, knows_outside).is_in_picture(on_floor);
-        }));
-    return num_seeing >= 2 && (num_seeing == views.size() || !knows_outside);
+    return sees_place(views, {feet_site.x(), feet_site.y(), 0.0}, knows_outside);
 }
 
 bool shows_lower_end(std::span<const views::NamedView> views, const Footing& footing) {

@@ -19,13 +19,19 @@ struct Footing {
     double height_m = 0.0;      // from there to the highest point
 };
 
-/// Finds the lowest horizontal section of a closed mesh with at least 100 cm2, to a centimetre.
-/// Thin spikes below feet, which the hull of few cameras has, do not count. nullopt without such a
-/// section, and for meshes that are too tall for people.
+/// Finds the lowest horizontal section of a closed mesh with at least 100 cm2, to a centimetre; of
+/// a mesh below 1.5 m less, by the square of its height. Thin spikes below feet, which the hull of
+/// few cameras has, do not count. nullopt without such a section, and for meshes that are too tall
+/// for people or lower than 0.2 m.
 std::optional<Footing> find_footing(const geometry::TriangleMesh& hull);
 
-/// True if the cameras see the place below or above the feet at z = 0: all of them, or two if what
-/// lies outside a picture is unknown. Else feet above it may be out of the pictures.
+/// True if the cameras see a place: all of them, or two if what lies outside a picture is unknown.
+bool sees_place(std::span<const views::NamedView> views,
+                const Eigen::Vector3d& place_site,
+                bool knows_outside);
+
+/// True if the cameras see the place below or above the feet at z = 0 (sees_place). Else feet above
+/// it may be out of the pictures.
 bool sees_floor(std::span<const views::NamedView> views,
                 const Eigen::Vector3d& feet_site,
                 bool knows_outside);

@@ -11,6 +11,8 @@ constexpr double kHugeVolume_m3 = 50.0;  // some hundred people
 constexpr double kHugeExtent_m = 50.0;
 constexpr double kTall_m = 3.5;         // taller than a person who stretches, on a chair
 constexpr double kAlwaysTall_m = 2.45;  // 1.9 m, and an arm that is always up
+constexpr double kAlwaysSmall_m = 1.2;  // a child of seven years, or somebody who sits
+constexpr double kUsual_m = 1.75;
 constexpr double kTinyVolume_m3 = 1e-4;
 constexpr double kTinyExtent_m = 0.1;
 // A person of two years has 12 l, and the hull of few cameras is larger than the person.
@@ -59,6 +61,18 @@ std::optional<std::string> doubt_tall_people(double height_m) {
         "large, perhaps squares of a chessboard that were said too large: measure the distance "
         "between two cameras and import the calibration again with --distance CAMERA CAMERA METRES",
         height_m);
+}
+
+std::optional<std::string> doubt_small_people(double height_m) {
+    if (height_m >= kAlwaysSmall_m) return std::nullopt;
+    return fmt::format(
+        "nobody is taller than {:.2f} m: children, or people who sit or crouch all the time, are, "
+        "and nothing is wrong then; if an adult stood upright, the lengths of the rig are too "
+        "short, by a factor of about {:.1f}: check the length of the wand or the squares of the "
+        "board, and their unit, in the program that calibrated; or measure the distance between "
+        "two cameras and import the calibration again with --distance CAMERA CAMERA METRES",
+        height_m,
+        kUsual_m / height_m);
 }
 
 bool is_small_for_person(const geometry::Aabb& extent, double volume_m3) {

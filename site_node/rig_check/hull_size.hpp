@@ -23,6 +23,10 @@ bool is_small_for_person(const geometry::Aabb& extent, double volume_m3);
 /// instants, is more than that of anybody, even with raised arms; nullopt if it is not.
 std::optional<std::string> doubt_tall_people(double height_m);
 
+/// Says what may be wrong with a rig if `height_m`, that of the people who stand, is less than that
+/// of adults; nullopt if it is not. Children, and people who always sit, are as small.
+std::optional<std::string> doubt_small_people(double height_m);
+
 /// Says what may be wrong with a rig whose hulls stay too small for a person, with the cure.
 std::string doubt_small_hull(const geometry::Aabb& extent, double volume_m3);
 

@@ -26,13 +26,18 @@ constexpr std::chrono::seconds kDiagnosisPeriod{30};
 constexpr const char* kAllDropped = "all_dropped";  // may be meant
 constexpr const char* kSmall = "small";
 constexpr const char* kTall = "tall";
+constexpr const char* kLow = "low";  // may be right: told once
+constexpr double kStanding = 0.9;    // of the heights are below that of people who stand
+constexpr double kMargin = 0.05;     // of a height, above the head and below the feet
 constexpr const char* kBelowFloor =
     "; if people reach far below z = 0, it is not the floor: import the calibration again with the "
     "measured height of a lens, --camera-height CAMERA METRES";
 constexpr double kPersonFits_m = 1.5;  // bounds of less height are not for whole people
 constexpr double kCutShare = 0.05;
-constexpr double kCutHere_m = 0.05;  // a hull that ends so near the bounds may be cut
-constexpr double kSeldomCut = 0.02;  // a look with less is not one that the bounds cut
+constexpr double kCutHere_m = 0.05;     // a hull that ends so near the bounds may be cut
+constexpr double kSeldomCut = 0.02;     // a look with less is not one that the bounds cut
+constexpr std::size_t kBottomFace = 4;  // of Agreement::cut_by_face
+constexpr std::size_t kTopFace = 5;
 constexpr std::size_t kLeastHeights = 3;
 constexpr std::size_t kMostHeights = 600;  // these have decided it
 
@@ -75,16 +80,17 @@ std::vector<std::string> RigWatch::look(const Look& look,
         judge_size(look, agreement);
         judge_floor(look);
         judge_height(look, agreement);
+        judge_lowness(look, agreement);
     }
     judge_outside(look, agreement);
     std::vector<std::string> lines;
     for (auto& [key, finding] : findings_) {
         if (finding.votes < finding.needed) continue;
-        if (finding.reported && now - *finding.reported < kRepeat) continue;
+        if (finding.reported && (key == kLow || now - *finding.reported < kRepeat)) continue;
         finding.reported = now;
         finding.votes = 0;  // it must hold again before it is repeated
         lines.push_back(finding.line);
-        if (key != kAllDropped) last_reason_ = finding.reason;
+        if (key != kAllDropped && key != kLow) last_reason_ = finding.reason;
     }
     return lines;
 }
@@ -292,6 +298,36 @@ void RigWatch::judge_height(const Look& look, const Agreement& agreement) {
         findings_.erase(kTall);
 }
 
+// A wand that was said too short makes children of adults, whose silhouettes fit as well.
+void RigWatch::judge_lowness(const Look& look, const Agreement& agreement) {
+    const auto told = findings_.find(kLow);
+    if (!look.footing || !has_seen_large_ || agreement.share() < kPoorShare ||
+        whole_heights_m_.size() >= kMostHeights ||
+        (told != findings_.end() && told->second.reported))
+        return;
+    const Eigen::Vector3d& feet = look.footing->feet_site;
+    const double height_m = look.footing->height_m;
+    const auto is_seen = [&](double z_m) {
+        return sees_place(
+            look.views, feet + Eigen::Vector3d(0.0, 0.0, z_m), options_.knows_outside);
+    };
+    const auto cut =
+        static_cast<double>(agreement.cut_by_face[kBottomFace] + agreement.cut_by_face[kTopFace]);
+    if (cut > kCutShare * static_cast<double>(agreement.num_rays()) ||
+        !is_seen(-kMargin * height_m) || !is_seen((1.0 + kMargin) * height_m))
+        return;
+    whole_heights_m_.push_back(height_m);
+    if (whole_heights_m_.size() < kLeastHeights) return;
+    const auto standing = whole_heights_m_.begin() +
+                          static_cast<std::ptrdiff_t>(
+                              kStanding * static_cast<double>(whole_heights_m_.size() - 1) + 0.5);
+    std::ranges::nth_element(whole_heights_m_, standing);
+    if (const auto doubt = doubt_small_people(*standing))
+        vote(kLow, kManyVotes, fmt::format("people_are_small height_m={:.2f}", *standing), *doubt);
+    else
+        findings_.erase(kLow);
+}
+
 std::vector<std::string> RigWatch::finish() {
     std::vector<std::string> lines;
     for (const auto& [key, finding] : findings_) {
@@ -299,7 +335,7 @@ std::vector<std::string> RigWatch::finish() {
         if (finding.reported || 2 * finding.votes <= std::min<std::size_t>(num_looks_, kFewVotes))
             continue;
         lines.push_back(finding.line);
-        if (key != kAllDropped) last_reason_ = finding.reason;
+        if (key != kAllDropped && key != kLow) last_reason_ = finding.reason;
     }
     return lines;
 }

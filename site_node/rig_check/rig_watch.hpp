@@ -34,7 +34,8 @@ public:
 
     explicit RigWatch(AgreementOptions options) : options_(options) {}
 
-    /// Returns the lines to log as warnings. `go_on`: false ends a long diagnosis.
+    /// Returns the lines to log as warnings; that people are small, which children are, only once.
+    /// `go_on`: false ends a long diagnosis.
     std::vector<std::string> look(const Look& look,
                                   Clock::time_point now,
                                   const std::function<bool()>& go_on = {});
@@ -91,6 +92,7 @@ private:
     void judge_smallness(const Look& look, const Agreement& agreement);
     void judge_floor(const Look& look);
     void judge_height(const Look& look, const Agreement& agreement);
+    void judge_lowness(const Look& look, const Agreement& agreement);
 
     AgreementOptions options_;
     bool has_seen_large_ = false;  // a hull that a person may have: the scale is right
@@ -103,7 +105,8 @@ private:
     std::deque<double> recent_shares_;
     std::deque<Cut> recent_cuts_;
     FloorCheck floor_;
-    std::vector<double> heights_m_;  // of people, at most kMostHeights
+    std::vector<double> heights_m_;        // of people, at most kMostHeights
+    std::vector<double> whole_heights_m_;  // in pictures that show more than them, as many
     std::string last_reason_;
 };
 

@@ -175,6 +175,28 @@ TEST(FindFooting, FindsTheLowestSectionOfHalfASole) {
     EXPECT_NEAR(same->feet_site.z(), 0.075, 0.01);
 }
 
+// The same person in a rig whose lengths are too short has soles that are smaller by the square.
+TEST(FindFooting, FindsTheFeetAtAnyScale) {
+    for (const double scale : {1.0, 0.75, 0.5, 0.25}) {
+        // a body on legs of 60 cm2 and soles of 390 cm2
+        geometry::TriangleMesh mesh =
+            test::make_octahedron(scale * Eigen::Vector3d(0.0, 0.0, 1.15), scale * 0.6);
+        const auto add = [&](double middle_m, double radius_m, double half_height_m) {
+            geometry::TriangleMesh part = test::make_octahedron(Eigen::Vector3d::Zero(), 1.0);
+            for (Eigen::Vector3d& p : part.vertices)
+                p = scale * Eigen::Vector3d(radius_m * p.x(),
+                                            radius_m * p.y(),
+                                            middle_m + half_height_m * p.z());
+            test::append(mesh, part);
+        };
+        add(0.05, 0.14, 0.05);
+        add(0.5, 0.055, 0.5);
+        const auto footing = find_footing(mesh);
+        ASSERT_TRUE(footing);
+        EXPECT_NEAR(footing->height_m, scale * 1.72, 0.02) << scale;
+    }
+}
+
 TEST(FindFooting, FindsNoneInTinyEmptyAndTallMeshes) {
     EXPECT_FALSE(find_footing({}));
     EXPECT_FALSE(find_footing(test::make_octahedron(Eigen::Vector3d::Zero(), 0.04)));

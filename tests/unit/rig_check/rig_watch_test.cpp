@@ -168,6 +168,52 @@ TEST(RigWatch, IsSilentAboutPeopleWhoRaiseTheirArms) {
     EXPECT_THAT(run.watch.summary(), HasSubstr(" height_m=1.95"));
 }
 
+TEST(RigWatch, SaysOnceThatNobodyIsAsTallAsAnAdult) {
+    WatchRun run;
+    for (std::uint64_t i = 0; i < 11; ++i) run.look(person_of(0.96, i));
+    EXPECT_THAT(run.lines, IsEmpty());
+    for (std::uint64_t i = 0; i < 10; ++i) run.look(person_of(0.96, i));
+    ASSERT_THAT(run.lines, ElementsAre(HasSubstr("people_are_small height_m=0.96")));
+    EXPECT_THAT(run.lines.front(), HasSubstr("children"));
+    EXPECT_THAT(run.lines.front(), HasSubstr("by a factor of about 1.8"));
+    EXPECT_EQ(run.watch.last_reason(), "");  // no reason for an empty hull
+    run.now += RigWatch::kRepeat;
+    for (std::uint64_t i = 0; i < 30; ++i) run.look(person_of(0.96, i));
+    EXPECT_EQ(run.lines.size(), 1u);
+    EXPECT_GE(run.watch.num_good_looks(), 30u);
+    EXPECT_THAT(run.watch.finish(), IsEmpty());
+
+    WatchRun brief;
+    for (std::uint64_t i = 0; i < 5; ++i) brief.look(person_of(0.96, i));
+    EXPECT_THAT(brief.watch.finish(), ElementsAre(HasSubstr("people_are_small")));
+}
+
+TEST(RigWatch, IsSilentAboutPeopleWhoSitMostOfTheTime) {
+    WatchRun run;
+    for (std::uint64_t i = 0; i < 40; ++i) run.look(person_of(i % 5 == 4 ? 1.7 : 0.9, i));
+    EXPECT_THAT(run.lines, IsEmpty());
+    EXPECT_THAT(run.watch.finish(), IsEmpty());
+}
+
+TEST(RigWatch, IsSilentAboutSmallPeopleWhomPicturesOrBoundsCut) {
+    WatchRun pictures;
+    AgreementOptions options;
+    options.bounds = geometry::Aabb{{-2.0, -2.0, 0.0}, {2.0, 2.0, 1.0}};
+    WatchRun bounds;
+    bounds.watch = RigWatch(options);
+    for (std::uint64_t i = 0; i < 20; ++i) {
+        bounds.look(person_of(0.96, i));
+        Look look = person_of(0.96, i);
+        look.views[2].view.intrinsics.height = 100;  // ends far above the feet
+        pictures.look(look);
+    }
+    const auto says_small = testing::Contains(HasSubstr("people_are_small"));
+    EXPECT_THAT(pictures.lines, testing::Not(says_small));
+    EXPECT_THAT(pictures.watch.finish(), testing::Not(says_small));
+    EXPECT_THAT(bounds.lines, testing::Not(says_small));
+    EXPECT_THAT(bounds.watch.finish(), testing::Not(says_small));
+}
+
 TEST(RigWatch, TellsOfBoundsThatCutPeople) {
     WatchRun run;
     AgreementOptions options;
