@@ -1,9 +1,11 @@
 #include "tools/calibrate/compare_sizes.hpp"
 
+#include "tools/calibrate/picture_size.hpp"
 #include "tools/calibrate/recording/words.hpp"
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -75,20 +77,37 @@ tl::unexpected<Error> turned(const std::vector<const ForeignCamera*>& cameras,
                     others.empty() ? "" : "; the same with " + listed(others)));
 }
 
-Expected<void> compare(ForeignCamera& camera, const Look& look, const Said& said) {
-    const bool is_unknown = camera.lens.width == 0 || camera.lens.height == 0;
-    if (camera.lens.width == look.width && camera.lens.height == look.height) return {};
-    if (!is_unknown && !said.size && !said.calibrated_size) {
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("camera '{0}': calibrated at {1}x{2} px, but its pictures have {3}x{4} px; "
-                        "if they show the whole picture, scaled, say --size {3}x{4}",
+// Scaled pictures have the shape of the calibration, and --size refuses much of another one.
+Error another_size(const ForeignCamera& camera, const Look& look, const std::string& format) {
+    const std::array size{look.width, look.height};
+    const double difference = shape_difference({camera.lens.width, camera.lens.height}, size);
+    const std::string scaled = fmt::format(
+        "if they show the whole picture, scaled, say --size {}x{}", look.width, look.height);
+    const std::string cropped = cure_of_crop(format, size);
+    return {ErrorKind::kConfiguration,
+            fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px; {}",
                         camera.known_name(),
                         camera.lens.width,
                         camera.lens.height,
                         look.width,
-                        look.height));
-    }
+                        look.height,
+                        difference == 0.0
+                            ? fmt::format("{}; if they were cropped, {}", scaled, cropped)
+                            : fmt::format("their shapes differ by {:.2g} %, so they look cropped: "
+                                          "{}{}",
+                                          100.0 * difference,
+                                          cropped,
+                                          difference < kMostDifference ? "; " + scaled : ""))};
+}
+
+Expected<void> compare(ForeignCamera& camera,
+                       const Look& look,
+                       const Said& said,
+                       const std::string& format) {
+    const bool is_unknown = camera.lens.width == 0 || camera.lens.height == 0;
+    if (camera.lens.width == look.width && camera.lens.height == look.height) return {};
+    if (!is_unknown && !said.size && !said.calibrated_size)
+        return tl::unexpected(another_size(camera, look, format));
     if (said.size && *said.size != std::array{look.width, look.height}) {
         return make_error(
             ErrorKind::kConfiguration,
@@ -115,11 +134,15 @@ Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Sa
             on_their_side.push_back(&camera);
     }
     if (!on_their_side.empty()) return turned(on_their_side, material);
+    const ForeignRig before = rig;
     for (ForeignCamera& camera : rig.cameras) {
         const auto look = material.looks.find(camera.name);
         if (look == material.looks.end()) continue;
-        if (auto compared = compare(camera, look->second, said); !compared) return compared;
+        if (auto compared = compare(camera, look->second, said, rig.format); !compared)
+            return compared;
     }
+    if (std::string doubt = doubt_of_shapes(before, rig); !doubt.empty())
+        rig.problems.push_back(std::move(doubt));
     return {};
 }
 

@@ -5,6 +5,7 @@
 #include "tools/calibrate/judge/tape_check.hpp"
 #include "tools/calibrate/names/name_parts.hpp"
 #include "tools/calibrate/names/rig_name.hpp"
+#include "tools/calibrate/picture_size.hpp"
 #include "tools/calibrate/up_text.hpp"
 
 #include <fmt/format.h>
@@ -276,6 +277,8 @@ Expected<Conclusion> conclude(const ForeignRig& foreign, const Said& said) {
         if (camera.lens.width == 0 || camera.lens.height == 0)
             unsized += (unsized.empty() ? "" : ", ") + camera.name;
     }
+    if (std::string doubt = doubt_of_shapes(foreign, sized); !doubt.empty())
+        sized.problems.push_back(std::move(doubt));
     if (!unsized.empty()) {
         return needs(
             fmt::format("{} does not say the picture size of {}: give --recording with "

@@ -41,10 +41,6 @@ struct Conclusion {
     std::vector<std::string> problems;  // no person, or a wrong one, will be seen; with the cure
 };
 
-/// Gives cameras a picture size: to those without one, and, in the same shape, instead of another
-/// one, with scaled intrinsics. Error kConfiguration for another shape.
-Expected<void> set_picture_size(ForeignCamera& camera, const std::array<int, 2>& size);
-
 /// Turns cameras of another program into a rig in metres, +Z up: finds out what their poses mean,
 /// their unit and up, as far as `said` does not say. Errors are kConfiguration and name the option
 /// that is needed.

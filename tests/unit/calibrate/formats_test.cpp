@@ -2,6 +2,7 @@
 #include "tools/calibrate/conclude.hpp"
 #include "tools/calibrate/formats/format.hpp"
 #include "tools/calibrate/formats/lens_fit.hpp"
+#include "tools/calibrate/picture_size.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 #include "tests/unit/calibrate/foreign_texts.hpp"
 #include "tools/calibrate/conclude.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
+#include "tools/calibrate/picture_size.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -268,6 +269,24 @@ TEST(Judge, ScalesPicturesOfTheSameShapeOnly) {
     const auto cropped = set_picture_size(camera, {900, 540});
     ASSERT_FALSE(cropped);
     EXPECT_THAT(cropped.error().message, testing::HasSubstr("cropped"));
+}
+
+TEST(Judge, TellsRoundedShapesFromOthers) {
+    using Size = std::array<int, 2>;
+    for (const auto& [a, b] : std::vector<std::pair<Size, Size>>{{{1920, 1080}, {1280, 720}},
+                                                                 {{1920, 1088}, {1280, 726}},
+                                                                 {{1920, 1088}, {640, 362}},
+                                                                 {{2448, 2048}, {1224, 1024}},
+                                                                 {{2704, 1520}, {1280, 720}},
+                                                                 {{64, 48}, {64, 48}},
+                                                                 {{0, 0}, {64, 48}}}) {
+        EXPECT_EQ(shape_difference(a, b), 0.0) << a[0] << " " << b[0];
+        EXPECT_EQ(shape_difference(b, a), 0.0) << a[0] << " " << b[0];
+    }
+    EXPECT_NEAR(shape_difference({1920, 1088}, {1280, 720}), 0.0074, 1e-4);
+    EXPECT_NEAR(shape_difference({1280, 720}, {1920, 1088}), 0.0074, 1e-4);
+    EXPECT_NEAR(shape_difference({1920, 1080}, {1920, 1088}), 0.0074, 1e-4);
+    EXPECT_NEAR(shape_difference({1600, 1200}, {1920, 1080}), 1.0 / 3.0, 0.1);
 }
 
 }  // namespace

@@ -158,12 +158,27 @@ TEST_F(ImportedRecording, RefusesPicturesOfAnotherSizeUntilTold) {
     const auto report = import(options_);
     ASSERT_FALSE(report);
     EXPECT_THAT(report.error().message,
-                AllOf(HasSubstr("64x48"), HasSubstr("128x96"), HasSubstr("--size 128x96")));
+                AllOf(HasSubstr("64x48"),
+                      HasSubstr("128x96"),
+                      HasSubstr("--size 128x96"),
+                      HasSubstr("if they were cropped, calibrate again with this crop")));
     options_.said.size = {128, 96};
     ASSERT_TRUE(import(options_));
     const auto rig = config::load_rig(options_.output);
     ASSERT_TRUE(rig);
     EXPECT_NEAR(rig->cameras[0].intrinsics.fx, 2.0 * cameras_[0].intrinsics.fx, 1e-9);
+}
+
+TEST_F(ImportedRecording, DoubtsASizeOfAnotherShape) {
+    for (int camera = 1; camera <= 3; ++camera)
+        write_video(take(fmt::format("cam{}.avi", camera)), 640, 476, 3);
+    options_.said.calibrated_size = {640, 480};
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->problems,
+                Contains(AllOf(HasSubstr("size: 'cam1', 'cam2', 'cam3': calibrated at 640x480 px"),
+                               HasSubstr("these shapes differ by 0.83 %"),
+                               HasSubstr("cropped rather than scaled?"))));
 }
 
 TEST_F(ImportedRecording, RefusesFoldersWithoutPicturesOfTheCameras) {
