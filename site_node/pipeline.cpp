@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 
@@ -104,6 +105,12 @@ std::vector<std::string> Pipeline::cameras_without_background() const {
         if (!stages_[i]->silhouettes) names.push_back(cameras_[i].name);
     }
     return names;
+}
+
+bool Pipeline::had_people() const {
+    return std::ranges::any_of(stages_, [](const auto& stage) {
+        return stage->silhouettes && stage->silhouettes->had_people();
+    });
 }
 
 Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,

@@ -117,6 +117,9 @@ public:
     /// Names of the excluded cameras.
     std::vector<std::string> cameras_without_background() const;
 
+    /// Whether the room of a camera was learned from pictures with people in it.
+    bool had_people() const;
+
     Pipeline(Pipeline&&) noexcept;
     Pipeline& operator=(Pipeline&&) noexcept;
     ~Pipeline();

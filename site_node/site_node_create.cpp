@@ -61,8 +61,10 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
     return {};
 }
 
-rig_check::AgreementOptions agreement_options(const HullStageOptions& hull) {
+rig_check::AgreementOptions agreement_options(const HullStageOptions& hull,
+                                              const Pipeline& pipeline) {
     rig_check::AgreementOptions options;
+    options.is_room_learned = pipeline.had_people();
     options.knows_outside = !hull.partial_views && hull.regions.empty();
     options.bounds = hull.bounds;
     return options;
@@ -184,7 +186,7 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
               std::move(feedback)),
       pool_(static_cast<std::size_t>(config.threads)),
       offsets_(source_->rig(), source_->is_live()),
-      rig_watcher_(agreement_options(config_.pipeline.hull)),
+      rig_watcher_(agreement_options(config_.pipeline.hull, pipeline_)),
       coherence_watcher_(source_->rig().cameras,
                          metaframe_rate_hz(config_, source_->rig()),
                          rig_file(config_),

@@ -186,6 +186,7 @@ void Camera::choose(const Counts& counts, std::size_t block) {
 LearnedRoom Camera::finish() {
     LearnedRoom learned;
     learned.room = make_room();
+    learned.room.had_people = true;
     const auto num_unknown =
         static_cast<double>(std::count(unknown_.begin(), unknown_.end(), std::uint8_t{1}));
     learned.never_empty = num_unknown / static_cast<double>(unknown_.size());

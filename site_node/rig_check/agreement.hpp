@@ -24,6 +24,8 @@ struct AgreementOptions {
     std::size_t min_seen = 1;
     /// Where people can be, site frame [m]. Rays that miss it do not count.
     std::optional<geometry::Aabb> bounds;
+    /// The empty room was learned from pictures with people in it: who never left is part of it.
+    bool is_room_learned = false;
 };
 
 /// How far one camera agrees with the others. Each ray passes through one pixel of its silhouette;

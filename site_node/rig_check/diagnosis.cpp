@@ -268,6 +268,21 @@ private:
 
     Diagnosis unknown() const {
         const std::size_t worst = as_is_.worst();
+        if (options_.is_room_learned) {
+            return {Cause::kUnknown,
+                    fmt::format(
+                        "the cameras contradict each other, {} most: the empty room was learned "
+                        "from pictures with people in it, so somebody who stayed at one place all "
+                        "the time, or turned on the spot, is part of it: look at the silhouettes "
+                        "with --preview; if parts of people are missing, give masks of another "
+                        "tool (calibrate import --masks), or film the empty room, or people who "
+                        "walk away from where they stood (docs/backgrounds.md); if the "
+                        "silhouettes are right, calibrate again",
+                        names_[worst]),
+                    share_,
+                    share_,
+                    {names_[worst]}};
+        }
         return {Cause::kUnknown,
                 fmt::format(
                     "the cameras contradict each other, {} most: look at the silhouettes "

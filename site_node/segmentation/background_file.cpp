@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "ATRIUMBG";
 constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersionHadPeople = 2;
 constexpr std::uint32_t kMaxSize_px = 8192;
 constexpr std::uint32_t kMaxName = 63;
 
@@ -86,7 +87,7 @@ private:
 
 std::vector<char> to_bytes(const BackgroundStatistics& room, const std::string& camera) {
     std::vector<char> bytes(kMagic.begin(), kMagic.end());
-    append(bytes, kVersion);
+    append(bytes, room.had_people ? kVersionHadPeople : kVersion);
     append(bytes, static_cast<std::uint32_t>(camera.size()));
     bytes.insert(bytes.end(), camera.begin(), camera.end());
     append(bytes, static_cast<std::uint32_t>(room.width));
@@ -109,8 +110,10 @@ std::string from_bytes(const std::vector<char>& bytes,
     const std::size_t size = bytes.size() - sizeof(std::uint64_t);
     ByteReader reader(bytes, size);
     if (reader.text(kMagic.size()) != kMagic) return "is not a background file";
-    if (const auto version = reader.value<std::uint32_t>(); version != kVersion) {
-        return "has version " + std::to_string(version) + ", not " + std::to_string(kVersion);
+    const auto version = reader.value<std::uint32_t>();
+    if (version != kVersion && version != kVersionHadPeople) {
+        return "has version " + std::to_string(version) + ", not " + std::to_string(kVersion) +
+               " or " + std::to_string(kVersionHadPeople);
     }
     std::uint64_t sum = 0;
     std::memcpy(&sum, bytes.data() + size, sizeof sum);
@@ -132,6 +135,7 @@ std::string from_bytes(const std::vector<char>& bytes,
     room.height = static_cast<int>(height);
     room.mosaic = static_cast<image::Mosaic>(mosaic);
     room.num_frames = static_cast<int>(num_frames);
+    room.had_people = version == kVersionHadPeople;
     const std::size_t num_pixels = static_cast<std::size_t>(width) * height;
     reader.plane(num_pixels, room.luma);
     reader.plane(num_pixels, room.luma_sigma);

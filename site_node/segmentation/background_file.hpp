@@ -12,7 +12,8 @@ namespace atrium::segmentation {
 /// content does not depend on options: they may change without learning again.
 ///
 /// Format, little-endian: "ATRIUMBG", version, camera name, size, mosaic, number of pictures, the
-/// planes of BackgroundStatistics in declaration order, and a checksum of all this.
+/// planes of BackgroundStatistics in declaration order, and a checksum of all this. The version is
+/// 2 if `had_people`, else 1; older programs wrote 1 for both.
 std::filesystem::path background_file(const std::filesystem::path& folder,
                                       const std::string& camera);
 

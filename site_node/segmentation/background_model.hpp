@@ -20,6 +20,7 @@ struct BackgroundStatistics {
     int height = 0;  // even
     image::Mosaic mosaic = image::Mosaic::kNone;
     int num_frames = 0;
+    bool had_people = false;  // learned from pictures with people in the room
 
     std::vector<std::uint16_t> luma;       // mean, in 1/256
     std::vector<std::uint8_t> luma_sigma;  // in 1/4, rounded up

@@ -6,6 +6,7 @@
 #include "site_node/occupied_room/learn_occupied_room.hpp"
 #include "site_node/segmentation/background_quality.hpp"
 #include "site_node/silhouette_stage/kept_picture.hpp"
+#include "site_node/silhouette_stage/learned_rooms.hpp"
 
 #include <fmt/format.h>
 
@@ -152,6 +153,27 @@ void report(const std::string& camera,
     }
 }
 
+// A room with a person who never left looks like any other; its silhouettes do not.
+void report_agreement(const config::Rig& rig,
+                      const occupied_room::OccupiedRoom& seen,
+                      const std::vector<Expected<occupied_room::LearnedRoom>>& rooms,
+                      const segmentation::SegmentationOptions& segmentation,
+                      const std::stop_token& stop) {
+    std::vector<const BackgroundStatistics*> learned;
+    for (const auto& room : rooms) learned.push_back(room ? &room->room : nullptr);
+    const auto agreement = compare_learned_rooms(rig, seen.pictures, learned, segmentation, stop);
+    if (!agreement) return;
+    if (const std::string doubt = doubt_learned_rooms(*agreement); !doubt.empty()) {
+        app::log::warn("{}", doubt);
+    } else {
+        app::log::info("the learned rooms agree instants={} explained={:.2f} worst={}:{:.2f}",
+                       agreement->num_instants,
+                       agreement->explained,
+                       agreement->worst,
+                       agreement->worst_explained);
+    }
+}
+
 std::vector<Expected<BackgroundStatistics>> all_failed(std::size_t num, const Error& error) {
     return std::vector<Expected<BackgroundStatistics>>(num, tl::unexpected(error));
 }
@@ -177,8 +199,9 @@ std::vector<Expected<BackgroundStatistics>> learn_with_people(
     app::log::info("comparing the pictures of {} cameras to find the empty room",
                    rig.cameras.size());
     std::optional<app::Progress> progress;
+    const occupied_room::OccupiedRoom seen = seen_room(rig, *kept);
     const auto rooms = occupied_room::learn_occupied_room(
-        seen_room(rig, *kept),
+        seen,
         segmentation,
         [&](std::size_t done, std::size_t total) {
             if (!progress) progress.emplace("step", total);
@@ -201,6 +224,7 @@ std::vector<Expected<BackgroundStatistics>> learn_with_people(
             results.emplace_back(rooms[camera]->room);
         }
     }
+    report_agreement(rig, seen, rooms, segmentation, stop);
     return results;
 }
 

@@ -51,6 +51,9 @@ public:
                         const GiveWay& give_way,
                         PictureSilhouette& out);
 
+    /// Whether the room was learned from pictures with people in it.
+    bool had_people() const { return segmenter_.model().room.had_people; }
+
 private:
     void watch_room(const PictureSilhouette& found);
 

@@ -1,5 +1,6 @@
 #include "site_node/rig_check/rig_watch.hpp"
 
+#include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/shapes/rig_maker.hpp"
 #include "tests/support/shapes/scene_maker.hpp"
@@ -72,6 +73,36 @@ TEST(RigWatch, NamesSwappedCamerasOnceAndAgainAfterTenMinutes) {
     run.now += RigWatch::kRepeat;
     for (std::uint64_t i = 0; i < 30; ++i) run.look(swapped(i));
     EXPECT_EQ(run.lines.size(), 2u);
+}
+
+// Only arms and legs of somebody who turned on the spot while the room was learned.
+TEST(RigWatch, NamesTheLearnedRoomFirstWherePeopleWereInIt) {
+    for (const bool is_learned : {true, false}) {
+        WatchRun run;
+        AgreementOptions options;
+        options.is_room_learned = is_learned;
+        run.watch = RigWatch(options);
+        for (std::uint64_t i = 0; i < 8; ++i) {
+            Look look = person(i);
+            std::mt19937_64 random(i);
+            for (auto& [name, view] : look.views) {
+                const Eigen::Vector2d shift(test::between(random, -80.0, 80.0),
+                                            test::between(random, -80.0, 80.0));
+                for (auto& contour : view.contours)
+                    for (Eigen::Vector2d& pixel : contour) pixel += shift;
+            }
+            run.look(look);
+        }
+        ASSERT_THAT(run.lines, testing::Contains(HasSubstr("cameras_contradict")));
+        const auto names = testing::Contains(
+            HasSubstr("the empty room was learned from pictures with people in it"));
+        if (is_learned) {
+            EXPECT_THAT(run.lines, names);
+            EXPECT_THAT(run.lines, testing::Contains(HasSubstr("calibrate import --masks")));
+        } else {
+            EXPECT_THAT(run.lines, testing::Not(names));
+        }
+    }
 }
 
 TEST(RigWatch, NamesACameraThatNeverSeesAnybody) {

@@ -24,6 +24,7 @@ protected:
         std::mt19937 random(1);
         room_ = learn(room(62, 34), 7, random);
         room_.mosaic = image::Mosaic::kGB;
+        room_.had_people = true;
         ASSERT_TRUE(save_background(room_, folder_ / "deep", "cam1"));
         file_ = background_file(folder_ / "deep", "cam1");
     }
@@ -53,6 +54,7 @@ TEST_F(BackgroundFile, RoundTripKeepsTheModel) {
     EXPECT_EQ(loaded->height, 34);
     EXPECT_EQ(loaded->mosaic, image::Mosaic::kGB);
     EXPECT_EQ(loaded->num_frames, 7);
+    EXPECT_TRUE(loaded->had_people);
     EXPECT_EQ(loaded->luma, room_.luma);
     EXPECT_EQ(loaded->luma_sigma, room_.luma_sigma);
     EXPECT_EQ(loaded->u, room_.u);
@@ -60,6 +62,16 @@ TEST_F(BackgroundFile, RoundTripKeepsTheModel) {
     EXPECT_EQ(loaded->uu, room_.uu);
     EXPECT_EQ(loaded->uv, room_.uv);
     EXPECT_EQ(loaded->vv, room_.vv);
+}
+
+TEST_F(BackgroundFile, OfAnEmptyRoomIsAsOlderProgramsReadIt) {
+    EXPECT_EQ(bytes()[8], 2);
+    room_.had_people = false;
+    ASSERT_TRUE(save_background(room_, folder_ / "deep", "cam1"));
+    EXPECT_EQ(bytes()[8], 1);
+    const auto loaded = load_background(folder_ / "deep", "cam1");
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_FALSE(loaded->had_people);
 }
 
 TEST_F(BackgroundFile, IsReplacedAtomicallyWithoutLeftovers) {
