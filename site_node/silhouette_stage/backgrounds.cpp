@@ -242,12 +242,19 @@ std::vector<Expected<BackgroundStatistics>> load_or_learn_backgrounds(
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         rooms[i] = load(options.folder, source.rig().cameras[cameras[i]]);
         if (rooms[i] || rooms[i].error().kind != ErrorKind::kNotFound) continue;
-        app::log::warn("nothing learned yet reason=\"{}\"; learning for this run only",
-                       rooms[i].error().message);
         unknown.push_back(i);
         unknown_cameras.push_back(cameras[i]);
     }
     if (unknown.empty()) return rooms;
+    std::string names;
+    for (const std::size_t camera : unknown_cameras)
+        names += (names.empty() ? "" : ", ") + source.rig().cameras[camera].name;
+    app::log::warn(
+        "nothing learned yet cameras=\"{0}\" folder={1}; learning for this run only, which keeps "
+        "nothing: to keep it, run once with --learn-background --segmentation.background_folder "
+        "{1}",
+        names,
+        options.folder.string());
     auto learned = learn(source, unknown_cameras, options, segmentation, stop);
     for (std::size_t i = 0; i < unknown.size(); ++i) rooms[unknown[i]] = std::move(learned[i]);
     return rooms;

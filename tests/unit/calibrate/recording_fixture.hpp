@@ -24,9 +24,10 @@ inline void write_video(const std::filesystem::path& file,
                         int width,
                         int height,
                         int num_frames,
-                        int codec = cv::VideoWriter::fourcc('M', 'J', 'P', 'G')) {
+                        int codec = cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
+                        double rate_hz = 25.0) {
     std::filesystem::create_directories(file.parent_path());
-    cv::VideoWriter video(file.string(), codec, 25.0, {width, height});
+    cv::VideoWriter video(file.string(), codec, rate_hz, {width, height});
     ASSERT_TRUE(video.isOpened());
     for (int i = 0; i < num_frames; ++i)
         video.write(cv::Mat(height, width, CV_8UC3, cv::Scalar::all(20 + 20 * i)));

@@ -204,5 +204,46 @@ TEST_F(ImportedTimes, NotButNumbersWithGapsAreNamed) {
                 Contains(HasSubstr("only 10 of 1298 instants from 3 to 1300 have pictures")));
 }
 
+class ImportedRates : public ImportedRecording {
+protected:
+    void write_take(const std::vector<double>& rates_hz) {
+        atrium::test::Random random(22);
+        cameras_ = test::random_room(random, static_cast<int>(rates_hz.size()));
+        for (std::size_t i = 0; i < rates_hz.size(); ++i) {
+            cameras_[i].intrinsics.width = 64;
+            cameras_[i].intrinsics.height = 48;
+            test::write_video(take(cameras_[i].name + ".avi"),
+                              64,
+                              48,
+                              4,
+                              cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
+                              rates_hz[i]);
+        }
+        options_.files = {folder_.write("all.yml", test::opencv_yaml(cameras_, 1000.0))};
+    }
+};
+
+TEST_F(ImportedRates, NamesTheCamerasOfTheRateThatMostHave) {
+    write_take({50.0, 25.0, 25.0, 25.0});
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    const std::string last = cameras_[1].name + "," + cameras_[2].name + "," + cameras_[3].name;
+    EXPECT_THAT(report->problems,
+                Contains(testing::AllOf(HasSubstr("25 of '" + cameras_[1].name + "'"),
+                                        HasSubstr("50 of '" + cameras_[0].name + "'"),
+                                        HasSubstr("convert the videos to one rate, or take only "
+                                                  "the cameras of one: --cameras " +
+                                                  last))));
+    EXPECT_THAT(report->told, Contains(HasSubstr("rate: 25 Hz")));
+}
+
+TEST_F(ImportedRates, NamesNoneIfTwoCamerasWouldBeLeft) {
+    write_take({50.0, 25.0, 25.0});
+    const auto report = import(options_);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(report->problems, Contains(HasSubstr("convert the videos to one rate")));
+    EXPECT_THAT(report->problems, Not(Contains(HasSubstr("--cameras"))));
+}
+
 }  // namespace
 }  // namespace atrium::calibrate

@@ -276,21 +276,9 @@ Expected<void> Gatherer::look_at_all() {
             check(fmt::format("camera '{}': {}: {}", camera, shots.path.string(), text));
         if (!shots.is_video) first = std::min(first, shots.pictures.begin()->first);
         fewest_ = std::min(fewest_, look->num_frames);
-        if (look->rate_hz > 0.0) {
-            if (material_.rate_hz > 0.0 &&
-                std::abs(look->rate_hz / material_.rate_hz - 1.0) > 0.01) {
-                problem(fmt::format(
-                    "camera '{}': {:.4g} pictures per second, others {:.4g}; a hull needs pictures "
-                    "of the same instants: convert the videos to one rate",
-                    camera,
-                    look->rate_hz,
-                    material_.rate_hz));
-            } else {
-                material_.rate_hz = look->rate_hz;
-            }
-        }
         material_.looks[camera] = *look;
     }
+    compare_rates();
     if (first != std::numeric_limits<std::size_t>::max()) material_.first_frame = first;
     if (std::string doubt = doubt_of_lengths(material_.frames, material_.looks); !doubt.empty())
         check(std::move(doubt));

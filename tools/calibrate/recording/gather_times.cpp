@@ -1,10 +1,15 @@
 // Pictures whose names have times.
+#include "tools/calibrate/names/name_parts.hpp"
 #include "tools/calibrate/recording/gatherer.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace atrium::calibrate {
 namespace {
@@ -99,6 +104,46 @@ void Gatherer::take_times() {
     }
     material_.rate_hz = rate_hz;
     material_.is_rate_of_times = true;
+}
+
+// Videos of another rate show other instants. That of most cameras is taken.
+void Gatherer::compare_rates() {
+    if (material_.is_rate_of_times) return;
+    constexpr double kOneRate = 0.01;
+    constexpr std::size_t kEnough = 3;  // cameras of a hull
+    struct Group {
+        double rate_hz;
+        std::vector<std::string> cameras;
+    };
+    std::vector<Group> groups;
+    for (const auto& [camera, look] : material_.looks) {
+        if (look.rate_hz <= 0.0) continue;
+        auto group = std::ranges::find_if(groups, [&, rate_hz = look.rate_hz](const Group& one) {
+            return std::abs(rate_hz / one.rate_hz - 1.0) <= kOneRate;
+        });
+        if (group == groups.end()) group = groups.insert(group, {look.rate_hz, {}});
+        group->cameras.push_back(known_name(camera, folders_.originals));
+    }
+    if (groups.empty()) return;
+    std::ranges::stable_sort(
+        groups, std::ranges::greater(), [](const Group& one) { return one.cameras.size(); });
+    material_.rate_hz = groups.front().rate_hz;
+    if (groups.size() == 1) return;
+    std::string rates;
+    for (const Group& group : groups)
+        rates += fmt::format(
+            "{}{:.4g} of {}", rates.empty() ? "" : ", ", group.rate_hz, listed(group.cameras));
+    std::string names;
+    for (const std::string& name : in_natural_order(groups.front().cameras))
+        names += (names.empty() ? "" : ",") + name;
+    problem(
+        fmt::format("rate: the videos have different numbers of pictures per second, {}; a hull "
+                    "needs pictures of the same instants: convert the videos to one rate{}",
+                    rates,
+                    groups.front().cameras.size() < kEnough
+                        ? ""
+                        : fmt::format(", or take only the cameras of one: --cameras {}",
+                                      calibrate::quoted(names))));
 }
 
 }  // namespace atrium::calibrate

@@ -35,6 +35,7 @@ private:
     void drop_other_instants();
     void take_numbering();
     Expected<void> look_at_all();
+    void compare_rates();
     Expected<void> compare_numbers();
     void report_truncated(const std::string& camera, const std::string& doubt);
     Expected<void> gather_masks();
