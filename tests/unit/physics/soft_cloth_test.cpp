@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace atrium::physics {
@@ -56,6 +58,48 @@ TEST(SoftCloth, StartsFlatToAFifthOfAMillimetre) {
         EXPECT_LE(std::abs(node.x()), 0.4F + 1e-6F);
         EXPECT_LE(std::abs(node.y()), 0.0002F + 1e-6F);
         EXPECT_LE(std::abs(node.z() - 1.8F), 0.25F + 1e-6F);
+    }
+}
+
+// Glasses on a foot that is little wider than the distance of the cloth's nodes.
+TEST(SoftCloth, CarriesGlassesOnATable) {
+    SoftStage stage;
+    RigidObject top;
+    top.id = 7;
+    top.shape = ObjectShape::kBox;
+    top.size_m = {1.2, 0.7, 0.04};
+    top.mass_kg = 0.0;
+    top.world_from_object.translation = {0, 0, 0.72};
+    ASSERT_EQ(stage.world.add(top), AddResult::kAdded);
+    SoftObject cloth;  // hangs over on all sides
+    cloth.id = kSoft;
+    cloth.size_m = {1.6, 1.1, 0.01};
+    cloth.mass_kg = 0.4;
+    cloth.damping_hz = 1.5;
+    cloth.world_from_object = {
+        Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitX())),
+        Eigen::Vector3d(0, 0, 0.75)};
+    ASSERT_EQ(stage.world.add_soft(cloth), AddResult::kAdded);
+    constexpr std::uint32_t kFirst = 20;
+    std::vector<Eigen::Vector3d> places;
+    for (const double x : {-0.38, 0.0, 0.38})
+        for (const double y : {-0.17, 0.17}) places.emplace_back(x, y, 0.755 + 0.065 + 0.001);
+    for (std::uint32_t i = 0; i < places.size(); ++i) {
+        RigidObject glass;
+        glass.id = kFirst + i;
+        glass.shape = ObjectShape::kCylinder;
+        glass.size_m = {0.07, 0.07, 0.13};
+        glass.mass_kg = 0.25;
+        glass.world_from_object.translation = places[i];
+        ASSERT_EQ(stage.world.add(glass), AddResult::kAdded);
+    }
+    stage.run(test::kSanitized ? 5.0 : 20.0);
+    for (std::uint32_t i = 0; i < places.size(); ++i) {
+        const geometry::RigidTransform pose = stage.rigid(kFirst + i).world_from_object;
+        const Eigen::Vector3d up = pose.rotation * Eigen::Vector3d::UnitZ();
+        EXPECT_LT(std::acos(std::min(1.0, up.z())), 0.05) << i;
+        EXPECT_LT((pose.translation - places[i]).norm(), 0.03)
+            << i << ": as far as the cloth settles";
     }
 }
 
