@@ -283,15 +283,16 @@ private:
                     share_,
                     {names_[worst]}};
         }
-        return {Cause::kUnknown,
-                fmt::format(
-                    "the cameras contradict each other, {} most: look at the silhouettes "
-                    "with --preview; if they are right, calibrate again; if parts of people are "
-                    "missing, film the empty room without people (docs/backgrounds.md)",
-                    names_[worst]),
-                share_,
-                share_,
-                {names_[worst]}};
+        return {
+            Cause::kUnknown,
+            fmt::format("the cameras contradict each other, {} most: look at the silhouettes "
+                        "with --preview; if they are right, do all cameras or videos show the same "
+                        "instant? Else calibrate again; if parts of people are "
+                        "missing, film the empty room without people (docs/backgrounds.md)",
+                        names_[worst]),
+            share_,
+            share_,
+            {names_[worst]}};
     }
 
     AgreementOptions options_;

@@ -43,11 +43,14 @@ Expected<void> run_check(const CheckCommand& options) {
                                       check.problems.size() == 1
                                           ? "the problem"
                                           : fmt::format("the {} problems", check.problems.size())));
-    fmt::print("good: {}\n",
-               options.recording.empty()
-                   ? "nothing is wrong with the numbers; --recording DIR of a person who walks "
-                     "tells whether they are still true"
-                   : "nothing certain is wrong");
+    if (!check.checks.empty() && !options.recording.empty())
+        fmt::print("usable: nothing certain is wrong\n");
+    else
+        fmt::print("good: {}\n",
+                   options.recording.empty()
+                       ? "nothing is wrong with the numbers; --recording DIR of a person who walks "
+                         "tells whether they are still true"
+                       : "nothing is wrong");
     return {};
 }
 

@@ -7,7 +7,9 @@
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/shapes/rig_maker.hpp"
+#include "tools/calibrate/refine/check_rig.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,6 +18,12 @@
 
 namespace atrium::calibrate {
 namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
 
 std::vector<geometry::CalibratedCamera> true_rig(int num_cameras = 8) {
     test::RingRigOptions options;
@@ -179,6 +187,50 @@ TEST(Refine, FindsFocalLengths) {
     for (const auto& camera : refined->cameras)
         EXPECT_NEAR(camera.intrinsics.fx / mean, 1.0, 0.003);
     EXPECT_LT(refined->after.held_out, 0.5);
+}
+
+// Sights without silhouettes of the hull: only what the tangents say counts here.
+RigCheck check_of(const std::vector<geometry::CalibratedCamera>& cameras,
+                  std::vector<coherence::Sight> sights) {
+    config::Rig rig;
+    rig.cameras = cameras;
+    Take take;
+    take.views.resize(sights.size());
+    take.sights = std::move(sights);
+    take.rate_hz = 30.0;
+    RigCheck check;
+    check_silhouettes(rig, take, "rig.toml", "walk", check);
+    return check;
+}
+
+TEST(CheckSilhouettes, NamesALensThatAllCamerasHaveInsteadOfTheirs) {
+    const auto truth = true_rig();
+    auto zoomed = truth;
+    for (auto& camera : zoomed) camera.intrinsics.fx = camera.intrinsics.fy = 800.0 / 1.1;
+    EXPECT_THAT(check_of(zoomed, film(2, truth)).problems,
+                Contains(AllOf(HasSubstr("with lenses 1.10 times as long as the rig says"),
+                               HasSubstr("`calibrate refine rig.toml --focal --recording walk"))));
+    const RigCheck good = check_of(truth, film(2, truth));
+    EXPECT_THAT(good.problems, Not(Contains(HasSubstr("lenses"))));
+    EXPECT_THAT(good.checks, IsEmpty());
+}
+
+// Every camera began a little later than the one before: 0 to 0.35 s.
+TEST(CheckSilhouettes, AsksWhetherAllVideosBeginAtOneInstant) {
+    const auto truth = true_rig();
+    const test::WalkingPeople people({.seed = 4});
+    std::vector<coherence::Sight> sights;
+    for (int i = 0; i < 26; ++i) {
+        sights.push_back(test::masked_sight(people, 0.5 * i, truth));
+        for (std::size_t c = 1; c < truth.size(); ++c) {
+            const double late_s = 0.05 * static_cast<double>(c * 3 % truth.size());
+            sights.back().now[c] = test::masked_sight(people, 0.5 * i + late_s, truth).now[c];
+        }
+    }
+    const RigCheck check = check_of(truth, sights);
+    std::vector<std::string> said = check.problems;
+    said.insert(said.end(), check.checks.begin(), check.checks.end());
+    EXPECT_THAT(said, Contains(HasSubstr("do all videos begin at the same instant?")));
 }
 
 TEST(Refine, NamesACameraThatSeesNobody) {

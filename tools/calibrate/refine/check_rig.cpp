@@ -1,5 +1,6 @@
 #include "tools/calibrate/refine/check_rig.hpp"
 
+#include "core/base/median.hpp"
 #include "site_node/coherence/coherence.hpp"
 #include "site_node/coherence/fault_text.hpp"
 #include "site_node/rig_check/bounds_check.hpp"
@@ -9,8 +10,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace atrium::calibrate {
 namespace {
@@ -20,21 +25,63 @@ using coherence::Verdict;
 // A rig is no longer true as a whole if a refinement would halve errors of this size.
 constexpr double kDoubtful_px = 0.8;
 constexpr double kMuchBetter = 0.5;
+constexpr double kGoodCoherence_px = 1.0;
+constexpr double kOneFactor = 0.02;     // lenses that differ by less from their median have it
+constexpr double kOtherFactor = 0.015;  // and it is not 1
 
-// Whether other poses of all cameras explain the silhouettes of held-out instants much better.
+// What other poses, or other lenses as well, make of the errors of held-out instants.
+std::optional<Refined> refined_with(const config::Rig& rig, const Take& take, bool has_free_focal) {
+    RefineOptions options;
+    options.has_free_focal = has_free_focal;
+    auto refined = refine(rig.cameras, take.sights, options);
+    if (!refined || refined->held_out.empty()) return std::nullopt;
+    return std::move(*refined);
+}
+
+// "all lenses are 1.10 times as long as the rig says", if one factor holds for all.
+std::string factor_text(const config::Rig& rig, const Refined& refined) {
+    std::vector<double> factors;
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c)
+        factors.push_back(refined.cameras[c].intrinsics.fx / rig.cameras[c].intrinsics.fx);
+    const double middle = median_of(factors);
+    const auto is_other = [&](double factor) {
+        return std::abs(factor / middle - 1.0) > kOneFactor;
+    };
+    if (std::abs(middle - 1.0) < kOtherFactor || std::ranges::any_of(factors, is_other))
+        return "other focal lengths than the rig says";
+    return fmt::format("lenses {:.2f} times as long as the rig says", middle);
+}
+
+// Whether other cameras explain the silhouettes of held-out instants much better, with the command
+// that finds them. `mend(options)` makes it.
+template <typename Mend>
 std::string doubt_of_whole(const config::Rig& rig,
                            const Take& take,
-                           const coherence::Report& report) {
+                           const coherence::Report& report,
+                           const Mend& mend) {
     if (report.rms_px < kDoubtful_px) return {};
-    const auto refined = refine(rig.cameras, take.sights, {});
-    if (!refined || refined->held_out.empty() ||
-        refined->after.held_out > kMuchBetter * refined->before.held_out)
-        return {};
-    return fmt::format(
-        "the rig is no longer true: silhouettes differ by {:.2f} px, by {:.2f} px with other poses "
-        "of its cameras",
-        refined->before.held_out,
-        refined->after.held_out);
+    const auto moved = refined_with(rig, take, false);
+    const auto other = refined_with(rig, take, true);
+    const double moved_px = moved ? moved->after.held_out : report.rms_px;
+    // poses make up for a part of what lenses do
+    if (other && other->after.held_out <= kMuchBetter * std::min(moved_px, other->before.held_out))
+        return fmt::format(
+            "these are other lenses than those of the calibration: silhouettes differ by {:.2f} "
+            "px, by {:.2f} px with {}: zoom, focus, a crop or stabilisation: film and calibrate "
+            "alike, or mend the rig with {}",
+            other->before.held_out,
+            other->after.held_out,
+            factor_text(rig, *other),
+            mend("--focal "));
+    if (moved && moved_px <= kMuchBetter * moved->before.held_out)
+        return fmt::format(
+            "the rig is no longer true: silhouettes differ by {:.2f} px, by {:.2f} px with other "
+            "poses of its cameras: several cameras were moved, or the calibration was coarse: mend "
+            "the rig with {}",
+            moved->before.held_out,
+            moved_px,
+            mend(""));
+    return {};
 }
 
 void check_coverage(const config::Rig& rig, const Take& take, RigCheck& check) {
@@ -91,12 +138,15 @@ void check_silhouettes(const config::Rig& rig,
     };
     switch (report.verdict) {
         case Verdict::kCoherent:
-            if (const std::string doubt = doubt_of_whole(rig, take, report); !doubt.empty())
-                check.problems.push_back(fmt::format(
-                    "{}: several cameras were moved, or the calibration was coarse: mend the rig "
-                    "with {}",
-                    doubt,
-                    mend("")));
+            if (std::string doubt = doubt_of_whole(rig, take, report, mend); !doubt.empty())
+                check.problems.push_back(std::move(doubt));
+            else if (report.rms_px > kGoodCoherence_px)
+                check.checks.push_back(fmt::format(
+                    "silhouettes differ by {:.2f} px, where a true rig gives less than {:.0f}, and "
+                    "neither poses nor lenses explain it: are they good (`site_node --preview`), "
+                    "and do all videos begin at the same instant?",
+                    report.rms_px,
+                    kGoodCoherence_px));
             return;
         case Verdict::kTooLittle:
             check.checks.push_back(
@@ -109,8 +159,8 @@ void check_silhouettes(const config::Rig& rig,
         case Verdict::kIncoherent:
             check.problems.push_back(fmt::format(
                 "the silhouettes contradict the rig by {:.1f} px, and no single camera explains "
-                "it: {} mends cameras that are off by up to 1 degree and 3 cm; else calibrate "
-                "again",
+                "it: do all videos begin at the same instant? Else {} mends cameras that are off "
+                "by up to 1 degree and 3 cm (with --focal also lenses); else calibrate again",
                 report.rms_px,
                 mend("")));
             return;
