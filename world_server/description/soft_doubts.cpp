@@ -43,6 +43,14 @@ void doubt_soft_start(const WorldDescription& world,
                 inside_m));
             return;
         }
+        if (depth_m <= kDeepSoft_m && physics::is_skewered(soft.object, rigid)) {
+            lines.push_back(fmt::format(
+                "soft_looks_wrong name={} reason=\"starts with {} through it, between its nodes, "
+                "and stays so: move one of them with position_m\"",
+                soft.name,
+                object.name));
+            return;
+        }
         if (depth_m <= kDeepSoft_m) continue;
         const auto depth_in = [&](const geometry::SurfaceTree& bodies) {
             physics::SoftObject moved = soft.object;

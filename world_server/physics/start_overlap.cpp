@@ -90,12 +90,17 @@ double depth_in_convex(const btConvexShape& part,
 
 using EachNode = std::function<void(const Eigen::Vector3d& node_world)>;
 
-void for_each_free_node(const SoftObject& soft, const EachNode& look_at) {
-    const SoftMesh mesh = make_soft_mesh(soft);
+std::vector<bool> held_nodes(const SoftObject& soft, const SoftMesh& mesh) {
     std::vector<bool> is_held(mesh.nodes.size());
     for (const SoftPin& pin : soft.pins) {
         for (const std::uint32_t node : nodes_at(mesh, soft, pin)) is_held[node] = true;
     }
+    return is_held;
+}
+
+void for_each_free_node(const SoftObject& soft, const EachNode& look_at) {
+    const SoftMesh mesh = make_soft_mesh(soft);
+    const std::vector<bool> is_held = held_nodes(soft, mesh);
     for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
         if (!is_held[i]) look_at(start_of_node(soft, mesh, i));
 }
@@ -180,6 +185,32 @@ double overlap_m(const SoftObject& soft, const RigidObject& fixed) {
         if (found) deepest_m = std::max<double>(deepest_m, -found->distance);
     });
     return deepest_m;
+}
+
+bool is_skewered(const SoftObject& soft, const RigidObject& rigid) {
+    constexpr double kStep_m = 0.005;  // along an edge
+    constexpr btScalar kInside_m = -0.002F;
+    const bool is_thin = soft.shape == SoftShape::kCloth || soft.shape == SoftShape::kRope;
+    if (!is_thin || rigid.shape == ObjectShape::kPlane || !soft.start_nodes.empty()) return false;
+    CollisionShape shape(rigid);
+    const btTransform shape_from_world = world_from_body(rigid, shape).inverse();
+    const auto distance_m = [&](const Eigen::Vector3d& place) {
+        const auto found = distance_to_shape(shape.shape(), shape_from_world * to_bullet(place), 0);
+        return found ? found->distance : btScalar(1);
+    };
+    const SoftMesh mesh = make_soft_mesh(soft);
+    const std::vector<bool> is_held = held_nodes(soft, mesh);
+    for (const SoftLink& link : mesh.links) {
+        const auto& [first, second] = link.nodes;
+        if (link.bends || is_held[first] || is_held[second]) continue;
+        const Eigen::Vector3d a = start_of_node(soft, mesh, first);
+        const Eigen::Vector3d b = start_of_node(soft, mesh, second);
+        if (distance_m(a) < kInside_m || distance_m(b) < kInside_m) continue;
+        const int num_steps = static_cast<int>(std::ceil((b - a).norm() / kStep_m));
+        for (int i = 1; i < num_steps; ++i)
+            if (distance_m(a + (b - a) * i / num_steps) < kInside_m) return true;
+    }
+    return false;
 }
 
 double depth_m(const SoftObject& soft, const geometry::SurfaceTree& bodies) {

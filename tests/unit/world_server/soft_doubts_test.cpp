@@ -23,6 +23,27 @@ TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAFixedOne) {
     EXPECT_THAT(doubts(rail + cloth(1.2)), ElementsAre(HasSubstr("inside rail")));
 }
 
+// Between the nodes of a curtain, which are 8 cm apart.
+TEST_F(WorldDoubts, NameACurtainWithAPipeThroughIt) {
+    const auto world = [](const char* pipe_at, const std::string& rest) {
+        return "[[object]]\nname = \"pipe\"\nshape = \"box\"\nsize_m = [0.04, 0.8, 0.04]\n"
+               "mass_kg = 0\nposition_m = [" +
+               std::string(pipe_at) +
+               "]\n[[soft]]\nname = \"curtain\"\nshape = \"cloth\"\nsize_m = [1.2, 1.6]\n"
+               "spacing_m = 0.08\nmass_kg = 0.6\nposition_m = [0, 0, 1]\n" +
+               rest;
+    };
+    const auto through = ElementsAre(
+        HasSubstr("soft_looks_wrong name=curtain reason=\"starts with pipe through it"));
+    // wherever it is between the nodes
+    for (const char* at : {"0.1, 0, 1.1", "0.12, 0, 1.12", "0.14, 0, 1.04", "-0.22, 0.3, 0.77"})
+        EXPECT_THAT(doubts(world(at, "pins = [\"top\"]\n")), through) << at;
+    EXPECT_THAT(doubts(world("0.1, 0.45, 1.1", "pins = [\"top\"]\n")), IsEmpty()) << "before it";
+    EXPECT_THAT(doubts(world("0, 0, 1.8", "pins = [\"top\"]\n")), IsEmpty())
+        << "at its pinned edge";
+    EXPECT_THAT(doubts(world("0.7, 0, 1.1", "pins = [\"top\"]\n")), IsEmpty()) << "beside it";
+}
+
 TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAMovingOne) {
     const auto ball = [](double middle_m) {
         return "[[soft]]\nname = \"soft\"\nshape = \"ball\"\ndiameter_m = 0.3\nmass_kg = 1\n"

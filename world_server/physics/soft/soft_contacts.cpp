@@ -292,15 +292,18 @@ btScalar SoftContacts::heaviest_kg() const {
     return heaviest;
 }
 
-// Of bodies above it. Contacts with one body follow one another.
+// Of bodies that stand on it: what touches them is below their middle, and they press it down.
+// Contacts with one body follow one another.
 btScalar SoftContacts::heaviest_load() const {
+    constexpr btScalar kDown = -0.7F;  // z of the normal
     btScalar heaviest = 0;
     for (std::size_t i = 0; i < contacts_.size();) {
         const btRigidBody* body = contacts_[i].body;
         btScalar touched_kg = 0;
-        for (; i < contacts_.size() && contacts_[i].body == body; ++i)
-            if (contacts_[i].normal.z() < btScalar(-0.7) && !contacts_[i].is_carried)
-                touched_kg += contacts_[i].sample_kg;
+        for (; i < contacts_.size() && contacts_[i].body == body; ++i) {
+            const SoftContact& c = contacts_[i];
+            if (c.normal.z() < kDown && c.arm.z() < 0 && !c.is_carried) touched_kg += c.sample_kg;
+        }
         if (body != nullptr && touched_kg > 0)
             heaviest = std::max(heaviest, 1 / (body->getInvMass() * touched_kg));
     }
