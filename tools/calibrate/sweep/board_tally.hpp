@@ -60,7 +60,7 @@ public:
     /// "12 of 25 places, show it lower left"; empty if this camera has enough.
     std::string need_of(std::size_t camera) const;
 
-    /// "boards: cam0: 12 of 25 places, show it lower left; enough: cam1". At most
+    /// "boards: 1 of 2 cameras; cam0: 12 of 25 places, show it lower left; enough: cam1". At most
     /// `most_characters` long; 0: all.
     std::string progress(std::size_t most_characters = 0) const;
 

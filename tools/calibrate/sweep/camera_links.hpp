@@ -14,7 +14,7 @@ public:
     /// Counts an instant that these cameras share.
     void count(const std::vector<std::size_t>& cameras);
 
-    /// Instants that two cameras share; of one camera, all that it shares or not.
+    /// Counted instants with both cameras; with a camera and itself, all with this camera.
     std::size_t shared(std::size_t a, std::size_t b) const { return shared_[a * num_cameras_ + b]; }
 
     /// The cameras that are not linked to the one with most instants, directly or over others, by

@@ -1,11 +1,14 @@
 #pragma once
 
+#include "core/config/rig.hpp"
 #include "core/image/raw_image.hpp"
 #include "site_node/capture/metaframe.hpp"
 #include "site_node/preview/preview_picture.hpp"
+#include "tools/calibrate/wand/solve_wand.hpp"
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace atrium::calibrate {
@@ -13,10 +16,11 @@ namespace atrium::calibrate {
 /// Looks for something in the pictures of cameras, and knows how much of it is still missing.
 class Observer {
 public:
+    explicit Observer(std::vector<NominalCamera> cameras) : cameras_(std::move(cameras)) {}
     virtual ~Observer() = default;
 
-    /// Names of the cameras, in the order of the rig.
-    virtual std::vector<std::string> names() const = 0;
+    /// In the order of the rig.
+    const std::vector<NominalCamera>& cameras() const { return cameras_; }
 
     /// Looks at the picture of a camera at the next instant; an empty one was not delivered. On any
     /// thread, cameras beside each other.
@@ -35,6 +39,12 @@ public:
 
     /// What a preview shows of the instant that was counted last.
     virtual std::vector<preview::View> views(const capture::Metaframe& instant) const = 0;
+
+private:
+    std::vector<NominalCamera> cameras_;
 };
+
+/// Names and sizes of the cameras of a source; no focal lengths.
+std::vector<NominalCamera> nominal_cameras(const config::Rig& rig);
 
 }  // namespace atrium::calibrate

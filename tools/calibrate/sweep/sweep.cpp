@@ -16,27 +16,15 @@
 namespace atrium::calibrate {
 namespace {
 
-std::vector<NominalCamera> cameras_of(const config::Rig& rig) {
-    std::vector<NominalCamera> cameras;
-    for (const geometry::CalibratedCamera& camera : rig.cameras)
-        cameras.push_back({camera.name, camera.intrinsics.width, camera.intrinsics.height, 0.0});
-    return cameras;
-}
-
 // Finds the lights in the pictures of all cameras.
 class LightObserver : public Observer {
 public:
-    LightObserver(std::vector<NominalCamera> cameras, double light_threshold)
-        : cameras_(std::move(cameras)), buffers_(cameras_.size()), seen_(cameras_.size()) {
+    LightObserver(std::vector<NominalCamera> all, double light_threshold)
+        : Observer(std::move(all)), buffers_(cameras().size()), seen_(cameras().size()) {
         for (std::size_t c = 0; c < buffers_.size(); ++c)
             detectors_.emplace_back(DetectionOptions{light_threshold});
     }
 
-    std::vector<std::string> names() const override {
-        std::vector<std::string> names;
-        for (const NominalCamera& camera : cameras_) names.push_back(camera.name);
-        return names;
-    }
     void look(std::size_t c, const image::RawImage& image) override {
         seen_[c].reset();
         if (image.empty()) return;
@@ -47,7 +35,6 @@ protected:
     const std::vector<std::optional<DetectedLights>>& seen() const { return seen_; }
 
 private:
-    std::vector<NominalCamera> cameras_;
     std::vector<LightDetector> detectors_;
     std::vector<image::YuvImage> buffers_;
     std::vector<std::optional<DetectedLights>> seen_;
@@ -86,7 +73,7 @@ public:
     std::string progress(std::size_t) const override { return resting_.progress(); }
     std::vector<std::string> take_warnings() override { return {}; }
     std::vector<preview::View> views(const capture::Metaframe& instant) const override {
-        return views_of(instant, resting_, names());
+        return views_of(instant, resting_, cameras());
     }
 
     const RestingWand& resting() const { return resting_; }
@@ -104,7 +91,7 @@ Expected<Sweep> record_sweep(const SweepOptions& options, const Wand& wand, std:
     if (!source) return tl::unexpected(source.error());
     const config::Rig& rig = (*source)->rig();
     sweep.rate_hz = rig.rate_hz;
-    sweep.cameras = cameras_of(rig);
+    sweep.cameras = nominal_cameras(rig);
     auto tally = SweepTally::make(wand, sweep.cameras, {options.num_instants, rig.rate_hz});
     if (!tally) return tl::unexpected(tally.error());
     fmt::print(stderr,
@@ -126,7 +113,7 @@ Expected<LightPoints> watch_resting_wand(const SourceOptions& options,
                                          std::stop_token stop) {
     const auto source = site_node::open_uncalibrated_source(options.capture, options.room, stop);
     if (!source) return tl::unexpected(source.error());
-    const std::vector<NominalCamera> cameras = cameras_of((*source)->rig());
+    const std::vector<NominalCamera> cameras = nominal_cameras((*source)->rig());
     auto resting = RestingWand::make(wand, cameras);
     if (!resting) return tl::unexpected(resting.error());
     fmt::print(stderr,

@@ -32,11 +32,11 @@ std::vector<preview::View> views_of(const capture::Metaframe& instant, const Swe
 
 std::vector<preview::View> views_of(const capture::Metaframe& instant,
                                     const RestingWand& resting,
-                                    const std::vector<std::string>& names) {
+                                    const std::vector<NominalCamera>& cameras) {
     std::vector<preview::View> views;
     for (std::size_t c = 0; c < instant.frames.size(); ++c) {
         preview::View& view = views.emplace_back();
-        view.name = names[c];
+        view.name = cameras[c].name;
         view.image = instant.frames[c].image;
         view.brightness = kBrightness;
         view.marks_px = resting.wand_px(c);

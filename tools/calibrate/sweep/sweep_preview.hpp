@@ -5,7 +5,6 @@
 #include "tools/calibrate/sweep/resting_wand.hpp"
 #include "tools/calibrate/sweep/sweep_tally.hpp"
 
-#include <string>
 #include <vector>
 
 namespace atrium::calibrate {
@@ -17,6 +16,6 @@ std::vector<preview::View> views_of(const capture::Metaframe& instant, const Swe
 /// Likewise while the wand lies on the floor: its lights encircled, and who sees it.
 std::vector<preview::View> views_of(const capture::Metaframe& instant,
                                     const RestingWand& resting,
-                                    const std::vector<std::string>& names);
+                                    const std::vector<NominalCamera>& cameras);
 
 }  // namespace atrium::calibrate

@@ -25,8 +25,10 @@ public:
         : observer_(observer),
           target_(options.preview),
           pool_(std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kMostThreads)) {
-        if (!target_.empty())
-            preview_ = std::make_unique<preview::Preview>(target_, observer.names());
+        if (target_.empty()) return;
+        std::vector<std::string> names;
+        for (const NominalCamera& camera : observer.cameras()) names.push_back(camera.name);
+        preview_ = std::make_unique<preview::Preview>(target_, std::move(names));
     }
 
     // `load(camera)` makes the picture, if it is not there, on any thread.
@@ -133,6 +135,13 @@ Expected<void> watch_live(capture::FrameSource& source,
 }
 
 }  // namespace
+
+std::vector<NominalCamera> nominal_cameras(const config::Rig& rig) {
+    std::vector<NominalCamera> cameras;
+    for (const geometry::CalibratedCamera& camera : rig.cameras)
+        cameras.push_back({camera.name, camera.intrinsics.width, camera.intrinsics.height, 0.0});
+    return cameras;
+}
 
 Expected<void> watch(capture::FrameSource& source,
                      const SourceOptions& options,

@@ -43,20 +43,12 @@ GrayPicture gray_of(const image::YuvView& picture) {
 class BoardObserver : public Observer {
 public:
     BoardObserver(const std::vector<Board>& boards, const config::Rig& rig)
-        : detector_(boards),
-          buffers_(rig.cameras.size()),
-          grays_(buffers_.size()),
-          seen_(buffers_.size()) {
-        for (const geometry::CalibratedCamera& camera : rig.cameras)
-            cameras_.push_back(
-                {camera.name, camera.intrinsics.width, camera.intrinsics.height, 0.0});
-    }
+        : Observer(nominal_cameras(rig)),
+          detector_(boards),
+          buffers_(cameras().size()),
+          grays_(cameras().size()),
+          seen_(cameras().size()) {}
 
-    std::vector<std::string> names() const override {
-        std::vector<std::string> names;
-        for (const NominalCamera& camera : cameras_) names.push_back(camera.name);
-        return names;
-    }
     void look(std::size_t c, const image::RawImage& image) override {
         seen_[c].reset();
         if (image.empty()) return;
@@ -69,15 +61,13 @@ public:
     }
 
 protected:
-    const std::vector<NominalCamera>& cameras() const { return cameras_; }
-    std::vector<std::optional<Detection>>& seen() { return seen_; }
     const std::vector<std::optional<Detection>>& seen() const { return seen_; }
     /// The picture that was looked at last.
     const GrayPicture& gray(std::size_t c) const { return grays_[c]; }
 
     preview::View view_of(std::size_t c, const capture::Metaframe& instant) const {
         preview::View view;
-        view.name = cameras_[c].name;
+        view.name = cameras()[c].name;
         view.image = instant.frames[c].image;
         if (seen_[c])
             for (const SeenCorner& corner : seen_[c]->corners) view.marks_px.push_back(corner.px);
@@ -86,7 +76,6 @@ protected:
 
 private:
     BoardDetector detector_;
-    std::vector<NominalCamera> cameras_;
     std::vector<image::YuvImage> buffers_;
     std::vector<GrayPicture> grays_;
     std::vector<std::optional<Detection>> seen_;
