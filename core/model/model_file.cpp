@@ -249,9 +249,9 @@ Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
     if (read != nullptr) *read = {{}, {{file, file_stamp(file)}}};
     if (auto good = check_file(file, limits); !good) return tl::unexpected(good.error());
     Assimp::Importer importer;
-    auto files = std::make_unique<RecordedFiles>(limits.max_file_bytes);
+    auto files = std::make_unique<RecordedFiles>(file, limits.max_file_bytes);
     const RecordedFiles& recorded = *files;
-    if (read != nullptr) importer.SetIOHandler(files.release());  // which owns it
+    importer.SetIOHandler(files.release());  // which owns it
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                 aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     const aiScene* scene = importer.ReadFile(

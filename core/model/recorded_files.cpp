@@ -1,8 +1,11 @@
 #include "core/model/recorded_files.hpp"
 
+#include "core/model/material_file.hpp"
+
 #include <assimp/IOStream.hpp>
 
 #include <algorithm>
+#include <system_error>
 #include <vector>
 
 namespace atrium::model {
@@ -16,14 +19,24 @@ RecordedFiles::Noted* RecordedFiles::note(const char* file) const {
     return &files_.emplace(path, Noted{file_stamp(path), {}}).first->second;
 }
 
+// Assimp asks for the path that the model names, behind the model's folder.
+std::string RecordedFiles::found(const char* file) const {
+    std::error_code failure;
+    if (std::filesystem::exists(file, failure)) return file;
+    const std::filesystem::path beside = file_beside(model_, file);
+    return (beside.empty() ? model_.parent_path() / last_name_of(file) : beside).string();
+}
+
 bool RecordedFiles::Exists(const char* file) const {
-    note(file);
-    return DefaultIOSystem::Exists(file);
+    const std::string name = found(file);
+    note(name.c_str());
+    return DefaultIOSystem::Exists(name.c_str());
 }
 
 Assimp::IOStream* RecordedFiles::Open(const char* file, const char* mode) {
-    Noted* noted = note(file);
-    Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
+    const std::string name = found(file);
+    Noted* noted = note(name.c_str());
+    Assimp::IOStream* stream = DefaultIOSystem::Open(name.c_str(), mode);
     if (stream == nullptr || noted == nullptr || noted->fingerprint.is_known()) return stream;
     // Assimp opens a file several times: the first time counts
     std::vector<std::uint8_t> bytes(std::min<std::uintmax_t>(stream->FileSize(), max_bytes_));

@@ -1,9 +1,14 @@
 #include "world_server/description/amount_doubts.hpp"
 
+#include "world_server/description/load_doubts.hpp"
+#include "world_server/physics/rigid/collision_shape.hpp"
+
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace atrium::world_server {
 namespace {
@@ -79,18 +84,41 @@ Pull pull_of(const physics::Joint& joint, const WorldDescription& world) {
     return pull;
 }
 
-const WorldObject* object_of(const WorldDescription& world, std::uint32_t id) {
-    const auto found = std::ranges::find(
-        world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
-    return found == world.objects.end() ? nullptr : &*found;
-}
-
 bool is_movable(const WorldObject* object) {
     return object != nullptr && object->rigid.mass_kg > 0.0;
 }
 
+// The force of a weight against `direction` [N].
+double weight_n(double mass_kg, const Eigen::Vector3d& direction, const Eigen::Vector3d& gravity) {
+    return -mass_kg * gravity.dot(direction);
+}
+
+// The largest torque of its weight against the turning, on the way to its limit or in a full
+// turn [N m]. `sign`: of its own turning about the axis.
+double weight_nm(const WorldObject& object,
+                 const physics::Joint& hinge,
+                 double sign,
+                 const Eigen::Vector3d& gravity) {
+    constexpr double kStep_rad = std::numbers::pi / 90.0;
+    const Eigen::Vector3d axis = hinge.axis.normalized();
+    const Eigen::Vector3d arm = physics::centre_of_mass(to_rigid(object)) - hinge.anchor_m;
+    double reach_rad = 2.0 * std::numbers::pi;
+    if (hinge.limits)
+        reach_rad = hinge.motor_speed > 0.0 ? hinge.limits->at(1) : -hinge.limits->at(0);
+    double most_nm = 0.0;
+    for (double angle_rad = 0.0; angle_rad <= reach_rad; angle_rad += kStep_rad) {
+        const Eigen::Vector3d turned = Eigen::AngleAxisd(sign * angle_rad, axis) * arm;
+        const double torque_nm = object.rigid.mass_kg * turned.cross(gravity).dot(axis);
+        most_nm = std::max(most_nm, -sign * torque_nm);
+    }
+    return most_nm;
+}
+
 // Motors that cannot move what they drive: away from a limit, or up against its weight.
 void doubt_motors(const WorldDescription& world, std::vector<std::string>& lines) {
+    std::map<std::uint32_t, double> carried;
+    if (std::ranges::any_of(world.joints, [](const auto& joint) { return joint.motor_max > 0.0; }))
+        carried = carried_kg(world);
     for (const physics::Joint& joint : world.joints) {
         if (joint.motor_max == 0.0 || joint.motor_speed == 0.0) continue;
         const WorldObject* const a = object_of(world, joint.a);
@@ -110,18 +138,33 @@ void doubt_motors(const WorldDescription& world, std::vector<std::string>& lines
                             is_forward ? "upper" : "lower"));
             continue;
         }
-        if (joint.kind != physics::JointKind::kSlider || is_movable(a) == is_movable(b)) continue;
+        if (is_movable(a) == is_movable(b)) continue;
         const WorldObject& moving = is_movable(a) ? *a : *b;
         const double sign = (is_forward ? 1.0 : -1.0) * (is_movable(a) ? 1.0 : -1.0);
-        const double weight_n =
-            -sign * moving.rigid.mass_kg * world.world.gravity.dot(joint.axis.normalized());
-        if (weight_n <= joint.motor_max) continue;
-        doubt(
-            fmt::format("its motor has {:.3g} newtons, but {} alone weighs {:.3g} along the "
-                        "axis: it cannot lift it: give motor_max_n that and what it carries",
-                        joint.motor_max,
-                        moving.name,
-                        weight_n));
+        const bool is_slider = joint.kind == physics::JointKind::kSlider;
+        const double load_kg = is_slider ? carried[moving.rigid.id] : 0.0;
+        const double needed = is_slider ? weight_n(moving.rigid.mass_kg + load_kg,
+                                                   sign * joint.axis.normalized(),
+                                                   world.world.gravity)
+                                        : weight_nm(moving, joint, sign, world.world.gravity);
+        if (needed <= joint.motor_max) continue;
+        if (is_slider) {
+            doubt(
+                fmt::format("its motor has {:.3g} newtons, but {} {} weighs {:.3g} along the "
+                            "axis: it cannot lift it: give motor_max_n that and what it carries",
+                            joint.motor_max,
+                            moving.name,
+                            load_kg > 0.0 ? "with what rests on it" : "alone",
+                            needed));
+        } else {
+            doubt(
+                fmt::format("its motor has {:.3g} N m, but the weight of {} alone turns it back "
+                            "with up to {:.3g}: it sticks there: give motor_max_nm that and what "
+                            "it carries, or make it lighter",
+                            joint.motor_max,
+                            moving.name,
+                            needed));
+        }
     }
 }
 

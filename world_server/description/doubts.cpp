@@ -2,6 +2,7 @@
 
 #include "core/geometry/roll_pitch_yaw.hpp"
 #include "world_server/description/amount_doubts.hpp"
+#include "world_server/description/blocked_doubts.hpp"
 #include "world_server/description/hinge_doubts.hpp"
 #include "world_server/description/hollow_doubts.hpp"
 #include "world_server/description/layout_doubts.hpp"
@@ -198,16 +199,14 @@ void doubt_rotations(const WorldDescription& world, std::vector<std::string>& li
 }
 
 std::string name_of(const WorldDescription& world, std::uint32_t id) {
-    const auto found = std::ranges::find(
-        world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
-    return found == world.objects.end() ? "world" : found->name;
+    const WorldObject* object = object_of(world, id);
+    return object == nullptr ? "world" : object->name;
 }
 
 Eigen::Vector3d start_of(const WorldDescription& world, std::uint32_t id) {
-    const auto found = std::ranges::find(
-        world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
-    if (found == world.objects.end()) return Eigen::Vector3d::Zero();
-    return found->rigid.world_from_object.translation;
+    const WorldObject* object = object_of(world, id);
+    if (object == nullptr) return Eigen::Vector3d::Zero();
+    return object->rigid.world_from_object.translation;
 }
 
 void doubt_joints(const WorldDescription& world, std::vector<std::string>& lines) {
@@ -361,12 +360,14 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_joints(world, lines);
     doubt_anchors(world, lines);
     doubt_hinges(world, lines);
+    doubt_blocked(world, lines);
     doubt_copied_joints(world, lines);
     doubt_limits(world, lines);
     doubt_soft_models(world, lines);
     doubt_scenery(world, lines);
     doubt_starts(world, lines);
     doubt_starts_in_scenery(world, lines);
+    doubt_starts_on_scenery(world, lines);
     doubt_soft(world, lines);
     doubt_hollows(world, lines);
     doubt_loads(world, tick_hz, lines);

@@ -44,16 +44,11 @@ physics::RigidObject turned(const physics::RigidObject& object,
 }  // namespace
 
 void doubt_hinges(const WorldDescription& world, std::vector<std::string>& lines) {
-    const auto find = [&](std::uint32_t id) {
-        const auto found = std::ranges::find(
-            world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
-        return found == world.objects.end() ? nullptr : &*found;
-    };
     for (const physics::Joint& joint : world.joints) {
         if (joint.kind != physics::JointKind::kHinge || joint.collides || !joint.limits) continue;
         const double direction = opens_towards(*joint.limits);
-        const WorldObject* a = find(joint.a);
-        const WorldObject* b = find(joint.b);
+        const WorldObject* a = object_of(world, joint.a);
+        const WorldObject* b = object_of(world, joint.b);
         if (direction == 0.0 || a == nullptr || b == nullptr) continue;
         const double reach_rad = direction > 0.0 ? (*joint.limits)[1] : -(*joint.limits)[0];
         const physics::RigidObject moving = to_rigid(*a), other = to_rigid(*b);

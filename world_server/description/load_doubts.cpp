@@ -21,6 +21,7 @@ namespace {
 constexpr double kLargestStackLoad = 100.0;
 constexpr double kLargestChainLoad = 50.0;
 constexpr double kTouch_m = 0.01;
+constexpr double kFalls_m = 0.1;  // as far as cargo is put above what shall carry it
 
 double largest_at(double tick_hz, double largest_at_120_hz) {
     return largest_at_120_hz * (tick_hz / 120.0) * (tick_hz / 120.0);
@@ -72,11 +73,12 @@ void doubt(const WorldObject& object,
         faster));
 }
 
-bool rests_on(const geometry::Aabb& upper, const geometry::Aabb& lower) {
+bool rests_on(const geometry::Aabb& upper, const geometry::Aabb& lower, double air_m) {
     for (int axis = 0; axis < 2; ++axis) {
         if (upper.min[axis] >= lower.max[axis] || lower.min[axis] >= upper.max[axis]) return false;
     }
-    return std::abs(upper.min.z() - lower.max.z()) <= kTouch_m;
+    const double gap_m = upper.min.z() - lower.max.z();
+    return gap_m >= -kTouch_m && gap_m <= air_m;
 }
 
 bool are_joined(const WorldDescription& world, std::uint32_t a, std::uint32_t b) {
@@ -85,13 +87,15 @@ bool are_joined(const WorldDescription& world, std::uint32_t a, std::uint32_t b)
     });
 }
 
-// From the top down, each object gives its mass and what it carries to those below, in equal parts.
-void doubt_stacks(const WorldDescription& world, double tick_hz, std::vector<std::string>& lines) {
-    struct Layer {
-        const WorldObject* object;
-        geometry::Aabb box;
-        Load load{};
-    };
+struct Layer {
+    const WorldObject* object;
+    geometry::Aabb box;
+    Load load{};
+};
+
+// The objects and what they carry. From the top down, each gives its mass and what it carries to
+// those below with at most `air_m` between them, in equal parts.
+std::vector<Layer> layers_of(const WorldDescription& world, double air_m) {
     std::vector<Layer> layers;
     for (const WorldObject& object : world.objects) {
         if (object.rigid.shape != physics::ObjectShape::kPlane)
@@ -105,7 +109,7 @@ void doubt_stacks(const WorldDescription& world, double tick_hz, std::vector<std
         if (rigid.mass_kg == 0.0) continue;
         std::vector<Layer*> below;
         for (std::size_t k = i + 1; k < layers.size(); ++k) {
-            if (rests_on(upper.box, layers[k].box) &&
+            if (rests_on(upper.box, layers[k].box, air_m) &&
                 !are_joined(world, rigid.id, layers[k].object->rigid.id))
                 below.push_back(&layers[k]);
         }
@@ -114,9 +118,14 @@ void doubt_stacks(const WorldDescription& world, double tick_hz, std::vector<std
             lower->load.add((rigid.mass_kg + upper.load.mass_kg) / num, upper.object);
             if (upper.load.heaviest != nullptr) lower->load.add(0.0, upper.load.heaviest);
         }
-        if (upper.load.heaviest != nullptr)
-            doubt(
-                *upper.object, upper.load, tick_hz, kLargestStackLoad, "it slides or falls", lines);
+    }
+    return layers;
+}
+
+void doubt_stacks(const WorldDescription& world, double tick_hz, std::vector<std::string>& lines) {
+    for (const Layer& layer : layers_of(world, kTouch_m)) {
+        if (layer.object->rigid.mass_kg == 0.0 || layer.load.heaviest == nullptr) continue;
+        doubt(*layer.object, layer.load, tick_hz, kLargestStackLoad, "it slides or falls", lines);
     }
 }
 
@@ -184,6 +193,13 @@ void doubt_chains(const WorldDescription& world, double tick_hz, std::vector<std
 }
 
 }  // namespace
+
+std::map<std::uint32_t, double> carried_kg(const WorldDescription& world) {
+    std::map<std::uint32_t, double> carried;
+    for (const Layer& layer : layers_of(world, kFalls_m))
+        carried[layer.object->rigid.id] = layer.load.mass_kg;
+    return carried;
+}
 
 void doubt_loads(const WorldDescription& world, double tick_hz, std::vector<std::string>& lines) {
     doubt_stacks(world, tick_hz, lines);

@@ -76,13 +76,12 @@ void doubt_ties(const WorldDescription& world,
                 const physics::SoftMesh& mesh,
                 std::vector<std::string>& lines) {
     for (const physics::SoftPin& pin : soft.object.pins) {
-        const auto object = std::ranges::find(
-            world.objects, pin.object_id, [](const WorldObject& o) { return o.rigid.id; });
-        if (object == world.objects.end()) continue;
+        const WorldObject* object = object_of(world, pin.object_id);
+        if (object == nullptr) continue;
         double nearest_m = std::numeric_limits<double>::infinity();
         Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
         for (const std::uint32_t node : physics::nodes_at(mesh, soft.object, pin)) {
-            const Eigen::Vector3d at_m = soft.object.world_from_object * mesh.nodes[node];
+            const Eigen::Vector3d at_m = physics::start_of_node(soft.object, mesh, node);
             const double far_m = distance_m(at_m, object->rigid);
             if (far_m >= nearest_m) continue;
             nearest_m = far_m;

@@ -61,6 +61,7 @@ void read_size(config::TableReader& table, WorldSoftObject& soft, const std::str
         table.require("size_m");
         table.read("size_m", size.data(), 2, kSizeRange);
         table.read("thickness_m", size.z(), kSizeRange);
+        if (table.has("span_m")) table.read("span_m", object.span_m.emplace(), kSizeRange);
     } else if (shape == "rope") {
         object.shape = SoftShape::kRope;
         read_length(table, "length_m", size.x());
@@ -183,8 +184,12 @@ WorldSoftObject read_soft_object(config::TableReader& table,
         table.read("tied_to", name);
         const WorldObject* holder = find_object(rigid, name);
         if (holder == nullptr) {
+            const std::string meant = object_meant_by(name, rigid);
             table.reject("tied_to",
-                         "must be the name of an [[object]]" + object_meant_by(name, rigid));
+                         "must be the name of an [[object]]" +
+                             (meant.empty() ? "; what hangs from scenery or the world has pins "
+                                              "instead of tied and tied_to"
+                                            : meant));
         }
         table.require("tied");
         read_pins(table, "tied", holder == nullptr ? 0 : holder->rigid.id, object);

@@ -70,13 +70,6 @@ bool may_overlap(const geometry::Aabb& box, const WorldObject& object) {
     return touch(box, start_box_of(object.rigid));
 }
 
-bool pass_through(const WorldDescription& world, std::uint32_t a, std::uint32_t b) {
-    return std::ranges::any_of(world.joints, [&](const physics::Joint& joint) {
-        return !joint.collides &&
-               ((joint.a == a && joint.b == b) || (joint.a == b && joint.b == a));
-    });
-}
-
 // Of `moving` inside a surface in the frame of `other` [m].
 double depth_in(const geometry::SurfaceTree& surface,
                 physics::RigidObject moving,
@@ -157,6 +150,13 @@ double distance_m(const Eigen::Vector3d& place_m, const physics::RigidObject& ob
     return local_distance_m(object.world_from_object.inverse() * place_m, object);
 }
 
+bool pass_through(const WorldDescription& world, std::uint32_t a, std::uint32_t b) {
+    return std::ranges::any_of(world.joints, [&](const physics::Joint& joint) {
+        return !joint.collides &&
+               ((joint.a == a && joint.b == b) || (joint.a == b && joint.b == a));
+    });
+}
+
 geometry::Aabb moved(const geometry::RigidTransform& to_from, const geometry::Aabb& box) {
     geometry::Aabb around;
     for (int corner = 0; corner < 8; ++corner) {
@@ -173,8 +173,9 @@ geometry::Aabb start_box_of(const physics::RigidObject& object) {
 
 geometry::Aabb start_box_of(const physics::SoftObject& soft) {
     geometry::Aabb box;
-    for (const Eigen::Vector3d& node : physics::make_soft_mesh(soft).nodes)
-        box.add(soft.world_from_object * node);
+    const physics::SoftMesh mesh = physics::make_soft_mesh(soft);
+    for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
+        box.add(physics::start_of_node(soft, mesh, i));
     return box;
 }
 
@@ -188,15 +189,21 @@ std::string cure_of(const WorldObject& object, const DepthOfPose& depth_m) {
     const std::string& model = object.look.model;
     if (model.empty()) return "move it with position_m, the place of its middle";
     physics::RigidObject turned = to_rigid(object);
-    geometry::RigidTransform& pose = turned.world_from_object;
-    const bool is_as_in_file = pose.rotation.angularDistance(Eigen::Quaterniond::Identity()) < 1e-6;
-    pose.rotation = geometry::rotation_of_roll_pitch_yaw({90.0, 0.0, 0.0});
-    const bool may_have_y_up =
-        is_as_in_file && !model::is_gltf(model) && depth_m(turned) <= kDeepRigid_m;
-    return std::string(may_have_y_up ? "its file may have +Y up: then write roll_pitch_yaw_deg = "
-                                       "[90, 0, 0]; else "
-                                     : "") +
-           "move it with position_m, the place of its file's origin";
+    const geometry::RigidTransform& pose = object.rigid.world_from_object;
+    const Eigen::Quaterniond upright = geometry::rotation_of_roll_pitch_yaw({90.0, 0.0, 0.0});
+    const auto is_free_as = [&](const Eigen::Quaterniond& written,
+                                const Eigen::Quaterniond& other) {
+        if (pose.rotation.angularDistance(written) > 1e-6) return false;
+        turned.world_from_object.rotation = other;
+        return depth_m(turned) <= kDeepRigid_m;
+    };
+    const Eigen::Quaterniond as_in_file = Eigen::Quaterniond::Identity();
+    std::string cure;
+    if (!model::is_gltf(model) && is_free_as(as_in_file, upright))
+        cure = "its file may have +Y up: then write roll_pitch_yaw_deg = [90, 0, 0]; else ";
+    else if (model::is_gltf(model) && is_free_as(upright, as_in_file))
+        cure = "glTF stands upright as it is: then remove roll_pitch_yaw_deg; else ";
+    return cure + "move it with position_m, the place of its file's origin";
 }
 
 void add_lines(const std::vector<DeepStart>& starts, std::vector<std::string>& lines) {
@@ -225,14 +232,9 @@ void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines
 }
 
 void doubt_anchors(const WorldDescription& world, std::vector<std::string>& lines) {
-    const auto find = [&](std::uint32_t id) {
-        const auto found = std::ranges::find(
-            world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
-        return found == world.objects.end() ? nullptr : &*found;
-    };
     for (const physics::Joint& joint : world.joints) {
-        const WorldObject* a = find(joint.a);
-        const WorldObject* b = find(joint.b);
+        const WorldObject* a = object_of(world, joint.a);
+        const WorldObject* b = object_of(world, joint.b);
         if (a == nullptr) continue;
         const auto doubt = [&](const char* key,
                                const Eigen::Vector3d& place_m,

@@ -18,6 +18,9 @@ geometry::Aabb start_box_of(const physics::RigidObject& object);
 /// Returns the bounding box of a soft object's nodes at its start, in the world.
 geometry::Aabb start_box_of(const physics::SoftObject& soft);
 
+/// True if a joint without `collide` connects two objects.
+bool pass_through(const WorldDescription& world, std::uint32_t a, std::uint32_t b);
+
 /// True if two boxes have a place in common.
 bool touch(const geometry::Aabb& a, const geometry::Aabb& b);
 

@@ -43,14 +43,16 @@ void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
         for (const Eigen::Vector3d& vertex : part.mesh.vertices)
             scenery.box.add(scenery.world_from_model * vertex);
     }
-    if (!scenery.is_solid) return;
-    for (const model::ModelPart& part : *model)
-        append(scenery.mesh, part.mesh, scenery.world_from_model);
-    if (scenery.mesh.triangles.size() > physics::kMaxStaticTriangles) {
+    std::size_t num_triangles = 0;
+    for (const model::ModelPart& part : *model) num_triangles += part.mesh.triangles.size();
+    if (num_triangles <= physics::kMaxStaticTriangles) {
+        for (const model::ModelPart& part : *model)
+            append(scenery.mesh, part.mesh, scenery.world_from_model);
+    } else if (scenery.is_solid) {
         reader.reject("model",
                       fmt::format("must have at most {} triangles to be solid, has {}",
                                   physics::kMaxStaticTriangles,
-                                  scenery.mesh.triangles.size()));
+                                  num_triangles));
     }
 }
 

@@ -7,6 +7,8 @@
 #include "world_server/description/surroundings.hpp"
 #include "world_server/description/texture_fingerprints.hpp"
 
+#include <algorithm>
+
 namespace atrium::world_server {
 namespace {
 
@@ -15,6 +17,12 @@ std::string place_of_key(const config::TableReader& reader, const std::string& k
 }
 
 }  // namespace
+
+const WorldObject* object_of(const WorldDescription& world, std::uint32_t id) {
+    const auto found = std::ranges::find(
+        world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
+    return found == world.objects.end() ? nullptr : &*found;
+}
 
 void read_world(config::TableReader& reader, WorldDescription& description) {
     description.objects_at = reader.where("object");

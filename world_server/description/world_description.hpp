@@ -29,6 +29,9 @@ struct WorldDescription {
     Rights rights;
 };
 
+/// Returns the object with this id; null if there is none, or it is the world (0).
+const WorldObject* object_of(const WorldDescription& world, std::uint32_t id);
+
 /// Reads the settings that exist only in a world file: folder of models, gravity, bounds,
 /// materials, objects, puppets, soft objects, joints, scenery, sites and rights. Call after the
 /// plain options are read. Problems go to `reader`.

@@ -57,7 +57,7 @@ struct WorldScenery {
     double friction = 0.6;
     double restitution = 0.2;
     geometry::Aabb box{};           // around it, in the world
-    geometry::TriangleMesh mesh{};  // in the world [m]; empty if not solid
+    geometry::TriangleMesh mesh{};  // in the world [m]; empty if too large to be solid
 };
 
 }  // namespace atrium::world_server

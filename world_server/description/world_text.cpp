@@ -150,7 +150,9 @@ void write_size(const WorldSoftObject& soft, Table& table) {
         case SoftShape::kCloth:
             table.name("shape", "cloth");
             table.raw("size_m", list(size, 2));
-            return table.number("thickness_m", size.z());
+            table.number("thickness_m", size.z());
+            if (soft.object.span_m) table.number("span_m", *soft.object.span_m);
+            return;
         case SoftShape::kRope:
             table.name("shape", "rope");
             table.number("length_m", size.x());

@@ -43,6 +43,40 @@ TEST_F(WorldDoubts, NameAMotorThatCannotMoveItsObject) {
                                       "newtons, but tray alone weighs 19.6 along the axis")));
     EXPECT_THAT(doubts(lift("motor_mps = -0.1\nmotor_max_n = 25\nlimits_m = [0, 1]\n")),
                 ElementsAre(HasSubstr("drives it below its lower limit of 0, where it starts")));
+    const auto loaded = [&](double motor_max_n) {
+        return doubts(lift("motor_mps = 0.1\nmotor_max_n = " + std::to_string(motor_max_n) + "\n") +
+                      box("cargo", 3, "position_m = [0, 0, 1.4]"));
+    };
+    EXPECT_THAT(loaded(50), IsEmpty());
+    EXPECT_THAT(loaded(40), ElementsAre(HasSubstr("tray with what rests on it weighs 49.1 along")));
+}
+
+// The hand of a clock, 0.4 m long: 2 kg with their middle 0.2 m from the axis.
+TEST_F(WorldDoubts, NameAMotorThatItsWeightTurnsBack) {
+    const auto hand = [](const std::string& start,
+                         const std::string& axis,
+                         const std::string& rest) {
+        return box("hand", 2, start) +
+               "[[joint]]\nkind = \"hinge\"\na = \"hand\"\nanchor_m = [0, 0, 1]\naxis = " + axis +
+               "\n" + rest;
+    };
+    const std::string up = "position_m = [0, 0, 1.2]", aside = "position_m = [0.2, 0, 1]";
+    const auto motor = [](double max_nm, double deg_per_s) {
+        return "motor_deg_per_s = " + std::to_string(deg_per_s) +
+               "\nmotor_max_nm = " + std::to_string(max_nm) + "\n";
+    };
+    const auto named = ElementsAre(HasSubstr(
+        "joint_looks_wrong a=hand b=world reason=\"its motor has 3 N m, but the weight of hand "
+        "alone turns it back with up to 3.92: it sticks there: give motor_max_nm that"));
+    EXPECT_THAT(doubts(hand(up, "[0, 1, 0]", motor(3, 30))), named);
+    EXPECT_THAT(doubts(hand(up, "[0, -0.5, 0]", motor(3, -30))), named);
+    EXPECT_THAT(doubts(hand(up, "[0, 1, 0]", motor(4, 30))), IsEmpty());
+    EXPECT_THAT(doubts(hand(up, "[0, 0, 1]", motor(0.1, 30))), IsEmpty()) << "a vertical axis";
+    const std::string quarter = "limits_deg = [0, 90]\n";
+    EXPECT_THAT(doubts(hand(up, "[0, 1, 0]", quarter + motor(3, 30))), IsEmpty()) << "falls";
+    EXPECT_THAT(doubts(hand(aside, "[0, 1, 0]", quarter + motor(3, 30))), IsEmpty()) << "falls";
+    EXPECT_THAT(doubts(hand(aside, "[0, -1, 0]", quarter + motor(3, 30))), named) << "rises";
+    EXPECT_THAT(doubts(hand(aside, "[0, 1, 0]", "limits_deg = [-90, 0]\n" + motor(3, -30))), named);
 }
 
 TEST_F(WorldDoubts, NameASpringThatThrowsItsObject) {

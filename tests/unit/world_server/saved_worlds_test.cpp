@@ -78,6 +78,7 @@ void expect_same(const WorldSoftObject& a, const WorldSoftObject& b) {
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.object.shape, b.object.shape);
     EXPECT_EQ(a.object.size_m, b.object.size_m) << a.name;
+    EXPECT_EQ(a.object.span_m, b.object.span_m) << a.name;
     EXPECT_EQ(a.object.model.vertices, b.object.model.vertices) << a.name;
     EXPECT_EQ(a.object.mass_kg, b.object.mass_kg) << a.name;
     EXPECT_EQ(a.object.stiffness, b.object.stiffness) << a.name;
@@ -224,6 +225,25 @@ TEST_F(SavedWorldFiles, KeepWhatLiesInADent) {
         for (std::size_t i = 0; i < before.size(); ++i)
             EXPECT_LT((before[i] - after[i]).norm(), 0.01F) << i;
     }
+}
+
+TEST_F(SavedWorldFiles, KeepAHammock) {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "world.toml")
+        << "[[soft]]\nname = \"hammock\"\nshape = \"cloth\"\nsize_m = [2.0, 1.0]\nspan_m = 1.7\n"
+           "mass_kg = 0.6\nposition_m = [0, 0, 1]\nroll_pitch_yaw_deg = [90, 0, 0]\n"
+           "pins = [\"left\", \"right\"]\n";
+    const auto config = test_support::load_world(folder_ / "world.toml");
+    ASSERT_TRUE(config) << config.error().message;
+    EXPECT_EQ(config->soft.front().object.span_m, 1.7);
+    auto scene = Scene::create(*config);
+    ASSERT_TRUE(scene) << scene.error().message;
+    const SavedWorldsFolder folder(folder_, 10);
+    ASSERT_TRUE(folder.open());
+    ASSERT_TRUE(folder.save("now", world_text(*config, *scene, folder_)));
+    const auto loaded = folder.load("now", *config);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    expect_same(config->soft.front(), loaded->soft.front());
 }
 
 TEST_F(SavedWorldFiles, RefuseNodesOfAnotherShape) {

@@ -146,5 +146,30 @@ TEST_F(SceneryStarts, LetThingsBeBehindOpenSurfaces) {
     EXPECT_THAT(doubts_in(sheet, things), IsEmpty()) << "a table top";
 }
 
+// A crate of 0.2 m on a stage whose top is 0.4 m above the floor.
+TEST_F(SceneryStarts, NameWhatStandsOnSceneryThatIsNotSolid) {
+    put("s.obj", stage_);
+    const auto on_stage = [&](double height_m, const std::string& more, const char* solid = "") {
+        return doubts(std::string(kFloor) + "[[scenery]]\nname = \"s\"\nmodel = \"s.obj\"\n" +
+                      solid + crate(height_m) + more);
+    };
+    const auto named = ElementsAre(
+        HasSubstr("object_looks_wrong name=crate reason=\"starts on s, scenery that is not solid, "
+                  "and falls through it: write solid = true for s\""));
+    EXPECT_THAT(on_stage(0.5, ""), named);
+    EXPECT_THAT(on_stage(0.515, ""), named);
+    EXPECT_THAT(on_stage(0.5, "", "solid = true\n"), IsEmpty());
+    EXPECT_THAT(on_stage(0.9, ""), IsEmpty()) << "it falls from above";
+    EXPECT_THAT(on_stage(0.1, ""), IsEmpty()) << "it stands on the floor, in the stage";
+    const std::string board =
+        "[[object]]\nname = \"board\"\nshape = \"box\"\nsize_m = [1, 1, 0.1]\n"
+        "mass_kg = 0\nposition_m = [0.4, 0, 0.35]\n";
+    EXPECT_THAT(on_stage(0.5, board), IsEmpty()) << "on an invisible board";
+    const std::string hinge =
+        "[[joint]]\nkind = \"hinge\"\na = \"crate\"\nanchor_m = [0.4, 0, 0.6]\n"
+        "axis = [1, 0, 0]\n";
+    EXPECT_THAT(on_stage(0.5, hinge), IsEmpty()) << "it hangs";
+}
+
 }  // namespace
 }  // namespace atrium::world_server

@@ -36,11 +36,14 @@ mass_kg = 0.2
 
 TEST(SoftConfig, NamesFileLineAndKeyOfAnError) {
     EXPECT_EQ(soft_error_of(kCloth), "");
+    EXPECT_EQ(soft_error_of(kCloth + "span_m = 0.8\n"), "");
     const auto expect_error = [](const std::string& toml, const std::string& part) {
         const std::string error = soft_error_of(toml);
         EXPECT_NE(error.find("w.toml:"), std::string::npos) << error;
         EXPECT_NE(error.find(part), std::string::npos) << error;
     };
+    expect_error(kCloth + "span_m = 1.2\n",
+                 "w.toml:6: soft[0].span_m: must be 0.01 m to the width of the cloth");
     expect_error(kCloth + "pins = [\"middle\"]\n", "must be of top, bottom, left, right");
     expect_error(kCloth + "pins = [\"start\"]\n", "must be of top, bottom, left, right");
     const std::string rope =

@@ -71,6 +71,18 @@ TEST_F(WorldDoubts, NameAModelThatLiesOnItsSideInTheFloor) {
         << "turning it does not help";
 }
 
+TEST_F(WorldDoubts, NameAGltfModelThatWasTurnedUpright) {
+    put("tent.gltf", tetrahedron_gltf("", "", ""));
+    const std::string tent =
+        std::string(kFloor) +
+        "[[object]]\nname = \"tent\"\nshape = \"convex\"\nmodel = \"tent.gltf\"\nmass_kg = 5\n";
+    EXPECT_THAT(doubts(tent), IsEmpty());
+    EXPECT_THAT(doubts(tent + "roll_pitch_yaw_deg = [90, 0, 0]\n"),
+                ElementsAre(AllOf(HasSubstr("starts 0.89 m inside floor"),
+                                  HasSubstr("glTF stands upright as it is: then remove "
+                                            "roll_pitch_yaw_deg; else move it"))));
+}
+
 TEST_F(WorldDoubts, NameMovingObjectsThatStartInsideEachOther) {
     const std::string a = box("a", 1, "position_m = [0, 0, 1]");
     EXPECT_THAT(doubts(a + box("b", 1, "position_m = [0.36, 0, 1]")), IsEmpty());

@@ -23,6 +23,30 @@ inline std::string box(const std::string& name, double mass_kg, const std::strin
            "mass_kg = " + std::to_string(mass_kg) + "\n" + rest + "\n";
 }
 
+/// A tetrahedron of two meshes, whose materials have no names. `materials`: of the two, then of the
+/// file.
+inline std::string tetrahedron_gltf(const std::string& first,
+                                    const std::string& second,
+                                    const std::string& materials) {
+    const std::string bytes =
+        "AAAAAAAAAAAAAAAAZmZmPwAAAAAAAAAAAAAAAGZmZj8AAAAAAAAAAAAAAABmZmY/AAACAA"
+        "EAAAABAAMAAAADAAIAAQACAAMA";
+    const auto mesh = [](int indices, const std::string& material) {
+        return R"({"primitives":[{"attributes":{"POSITION":0},"indices":)" +
+               std::to_string(indices) + material + "}]}";
+    };
+    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],)"
+           R"("nodes":[{"mesh":0},{"mesh":1}],"meshes":[)" +
+           mesh(1, first) + "," + mesh(2, second) + "]," + materials +
+           R"("buffers":[{"byteLength":72,"uri":"data:application/octet-stream;base64,)" + bytes +
+           R"("}],"bufferViews":[{"buffer":0,"byteLength":48},)"
+           R"({"buffer":0,"byteOffset":48,"byteLength":24}],"accessors":[)"
+           R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",)"
+           R"("min":[0,0,0],"max":[0.9,0.9,0.9]},)"
+           R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"},)"
+           R"({"bufferView":1,"byteOffset":12,"componentType":5123,"count":6,"type":"SCALAR"}]})";
+}
+
 /// What the server doubts in a world file. Models lie beside the file.
 class WorldDoubts : public testing::Test {
 protected:

@@ -126,4 +126,8 @@ void CollisionShape::make_parts(const RigidObject& object, const HullOptions& op
     shape_ = std::move(compound);
 }
 
+Eigen::Vector3d centre_of_mass(const RigidObject& object) {
+    return object.world_from_object * CollisionShape(object).object_from_body().translation;
+}
+
 }  // namespace atrium::physics

@@ -41,4 +41,8 @@ private:
     double inner_radius_m_ = 0.0;
 };
 
+/// Returns the centre of mass of an object at its start pose [m, world]. `find_problem(object)`
+/// must be empty.
+Eigen::Vector3d centre_of_mass(const RigidObject& object);
+
 }  // namespace atrium::physics

@@ -50,6 +50,7 @@ SoftBody::SoftBody(const SoftObject& object, btSoftBodyWorldInfo& info, const Wo
     reset_to_start();
     rest_extent_ = (body_->m_bounds[1] - body_->m_bounds[0]).length();
     if (object.shape == SoftShape::kRope) rest_extent_ = btScalar(object.size_m.x());
+    if (object.span_m) rest_extent_ = btScalar(object.size_m.head<2>().norm());
 }
 
 SoftBody::~SoftBody() = default;

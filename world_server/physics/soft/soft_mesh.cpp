@@ -34,6 +34,60 @@ Eigen::Array<Index, 3, 1> box_cuts(const SoftObject& object) {
     return cuts;
 }
 
+// Length of a parabola with end points `span_m` apart.
+double parabola_length(double span_m, double sag_m) {
+    const int steps = 200;
+    double length_m = 0.0;
+    for (int i = 0; i < steps; ++i) {
+        const double slope = 8.0 * sag_m / span_m * ((i + 0.5) / steps - 0.5);
+        length_m += span_m / steps * std::sqrt(1.0 + slope * slope);
+    }
+    return length_m;
+}
+
+// Places every `length_m / num_parts` along a parabola of this length between two points `span_m`
+// apart, on which a rope or cloth hangs: [m] along x from the middle, and along y or z. Bisection
+// finds its sag.
+std::vector<Eigen::Vector2d> hang(double length_m, double span_m, Index num_parts) {
+    double low = 0.0, high = length_m;
+    for (int i = 0; i < 50; ++i) {
+        const double sag = 0.5 * (low + high);
+        (parabola_length(span_m, sag) < length_m ? low : high) = sag;
+    }
+    // walk along a fine polyline
+    const int steps = 100 * static_cast<int>(num_parts);
+    const auto at = [&](double t) {
+        return Eigen::Vector2d(span_m * (t - 0.5), -4.0 * low * t * (1.0 - t));
+    };
+    std::vector<Eigen::Vector2d> places{at(0.0)};
+    double walked_m = 0.0;
+    for (int i = 1; i <= steps && places.size() < num_parts; ++i) {
+        walked_m += (at(double(i) / steps) - at(double(i - 1) / steps)).norm();
+        if (walked_m >= static_cast<double>(places.size()) * length_m / num_parts)
+            places.push_back(at(double(i) / steps));
+    }
+    places.push_back(at(1.0));
+    return places;
+}
+
+// Waves that repeat nowhere on the cloth, so that folds of any size find a beginning [m].
+double unevenness_m(double u, double v) {
+    return kUneven_m * (std::sin(7.1 * u + 0.4) + std::sin(11.3 * v - 3.7 * u + 1.1));
+}
+
+// Columns of nodes are where the width hangs.
+void start_cloth(const SoftObject& object, Index nx, SoftMesh& mesh) {
+    std::vector<Eigen::Vector2d> columns;
+    if (object.span_m) columns = hang(object.size_m.x(), *object.span_m, nx);
+    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+        Eigen::Vector3d place_m = mesh.nodes[i];
+        const double u = place_m.x() / object.size_m.x(), v = place_m.z() / object.size_m.y();
+        if (object.span_m) place_m.head<2>() = columns[i % columns.size()];
+        place_m.y() += unevenness_m(u, v);
+        mesh.starts.push_back(place_m);
+    }
+}
+
 void make_cloth(const SoftObject& object, SoftMesh& mesh) {
     const Index nx = num_cuts(object.size_m.x(), object.spacing_m);
     const Index nz = num_cuts(object.size_m.y(), object.spacing_m);
@@ -45,6 +99,7 @@ void make_cloth(const SoftObject& object, SoftMesh& mesh) {
                                     object.size_m.y() * (0.5 - double(z) / nz));
         }
     }
+    start_cloth(object, nx, mesh);
     // from the top down: one pass over the links carries a pull at the top to the hem
     for (Index z = 0; z <= nz; ++z) {
         for (Index x = 0; x <= nx; ++x) {
@@ -74,41 +129,11 @@ void make_cloth(const SoftObject& object, SoftMesh& mesh) {
     }
 }
 
-// Length of a parabola with end points `span_m` apart. A rope hangs along it; the sag is found by
-// bisection.
-double parabola_length(double span_m, double sag_m) {
-    const int steps = 200;
-    double length_m = 0.0;
-    for (int i = 0; i < steps; ++i) {
-        const double slope = 8.0 * sag_m / span_m * ((i + 0.5) / steps - 0.5);
-        length_m += span_m / steps * std::sqrt(1.0 + slope * slope);
-    }
-    return length_m;
-}
-
 void make_rope(const SoftObject& object, SoftMesh& mesh) {
     const double length_m = object.size_m.x();
-    const double span_m = object.size_m.z();
     const Index n = std::max<Index>(2, num_cuts(length_m, object.spacing_m));
-    double low = 0.0, high = length_m;
-    for (int i = 0; i < 50; ++i) {
-        const double sag = 0.5 * (low + high);
-        (parabola_length(span_m, sag) < length_m ? low : high) = sag;
-    }
-    // walk along a fine polyline of the parabola and place a node every length / n
-    const int steps = 100 * static_cast<int>(n);
-    const auto at = [&](double t) {
-        return Eigen::Vector3d(span_m * (t - 0.5), 0.0, -4.0 * low * t * (1.0 - t));
-    };
-    mesh.nodes.push_back(at(0.0));
-    double walked_m = 0.0;
-    for (int i = 1; i <= steps && mesh.nodes.size() < n; ++i) {
-        walked_m += (at(double(i) / steps) - at(double(i - 1) / steps)).norm();
-        if (walked_m >= static_cast<double>(mesh.nodes.size()) * length_m / n) {
-            mesh.nodes.push_back(at(double(i) / steps));
-        }
-    }
-    mesh.nodes.push_back(at(1.0));
+    for (const Eigen::Vector2d& place : hang(length_m, object.size_m.z(), n))
+        mesh.nodes.emplace_back(place.x(), 0.0, place.y());
     for (Index i = 0; i + 1 < mesh.nodes.size(); ++i) {
         mesh.links.push_back({{i, i + 1}});
         mesh.topology.segments.push_back({i, i + 1});
@@ -305,19 +330,14 @@ SoftMesh make_soft_mesh(const SoftObject& object) {
             break;
     }
     if (mesh.links.empty()) link_edges(mesh);
+    if (mesh.starts.empty()) mesh.starts = mesh.nodes;
     share_mass(mesh);
     return mesh;
 }
 
 Eigen::Vector3d start_of_node(const SoftObject& object, const SoftMesh& mesh, std::size_t node) {
     if (!object.start_nodes.empty()) return object.start_nodes[node].cast<double>();
-    Eigen::Vector3d place_m = mesh.nodes[node];
-    if (object.shape == SoftShape::kCloth) {
-        // waves that repeat nowhere on the cloth, so that folds of any size find a beginning
-        const double u = place_m.x() / object.size_m.x(), v = place_m.z() / object.size_m.y();
-        place_m.y() += kUneven_m * (std::sin(7.1 * u + 0.4) + std::sin(11.3 * v - 3.7 * u + 1.1));
-    }
-    return object.world_from_object * place_m;
+    return object.world_from_object * mesh.starts[node];
 }
 
 std::vector<std::uint32_t> nodes_at(const SoftMesh& mesh,

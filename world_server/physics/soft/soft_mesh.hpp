@@ -19,6 +19,9 @@ struct SoftLink {
 /// A soft object at rest, in its own frame: nodes and links.
 struct SoftMesh {
     std::vector<Eigen::Vector3d> nodes;  // [m]
+    /// [m] where they start, in its own frame. A cloth is not quite flat then: a flat one that is
+    /// held along its side would stand out like a board, because nothing begins to fold it.
+    std::vector<Eigen::Vector3d> starts;
     std::vector<double> shares;          // share of the mass per node; they add up to 1
     std::vector<SoftLink> links;         // bending links come last
     SoftTopology topology;
@@ -30,8 +33,7 @@ std::size_t count_soft_nodes(const SoftObject& object);
 /// Creates the nodes and links. `find_problem(object)` must be empty. Deterministic.
 SoftMesh make_soft_mesh(const SoftObject& object);
 
-/// Where a node starts [m], in the world. A cloth is not quite flat: a flat one that is held along
-/// its side would stand out like a board, because nothing begins to fold it.
+/// Where a node starts [m], in the world.
 Eigen::Vector3d start_of_node(const SoftObject& object, const SoftMesh& mesh, std::size_t node);
 
 /// Returns the nodes of a pin as ascending indices into `mesh.nodes`.

@@ -69,6 +69,10 @@ std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
     if (is_rope && s.z() > s.x()) {
         return ObjectProblem{"span_m", "must not exceed the length of the rope"};
     }
+    if (object.span_m && (!is_flat || !is_within(*object.span_m, kMinSoftSizeM, s.x()))) {
+        return ObjectProblem{
+            "span_m", "must be 0.01 m to the width of the cloth, the first number of size_m"};
+    }
     if ((is_flat && s.z() > 0.1) || (is_rope && s.y() > 0.2)) {
         return ObjectProblem{is_rope ? "diameter_m" : "thickness_m",
                              is_rope ? "must be at most 0.2 m" : "must be at most 0.1 m"};

@@ -38,6 +38,9 @@ struct SoftObject {
     /// between its ends at the start (it lies along local x and hangs towards -z); ball: diameters;
     /// box: full extents; model: unused.
     Eigen::Vector3d size_m{1.0, 1.0, 0.01};
+    /// [m] kCloth only: distance between its left and right edges at the start. In between it hangs
+    /// towards local -y, with a roll of 90 degrees: down. Empty: its width, so that it starts flat.
+    std::optional<double> span_m;
     /// kModel only: closed, oriented outwards; one node per vertex.
     geometry::TriangleMesh model;
     double spacing_m = 0.05;  // approximate distance of neighbouring nodes; unused for a model
@@ -57,7 +60,7 @@ Eigen::Vector3d start_place(const SoftObject& object);
 /// Returns the filled volume at rest; for cloth and rope with their thickness.
 double volume_m3(const SoftObject& object);
 
-/// Returns the first problem: a number that is not finite or out of range (sizes 1 cm to 20 m,
+/// Returns the first problem: a number that is not finite or out of range (sizes and spans 1 cm to 20 m,
 /// spacings 1 cm to 1 m, masses 1 g to 100 kg), more than `kMaxSoftNodes` nodes, a pin that does
 /// not fit the shape, a model that is not closed or less than 1 cm across, or another number of
 /// start nodes than the shape has. Empty if the object is valid.
