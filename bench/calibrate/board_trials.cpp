@@ -2,7 +2,9 @@
 // faults: is each fault found and named, and is no good one refused?
 //
 //     board_trials [SEEDS [GOOD]]    CSV: fault, runs, refused, named, median seconds
+//     board_trials widths [SEEDS]    CSV: how exact the cameras are with other robust widths
 #include "bench/calibrate/fault_trials.hpp"
+#include "core/base/median.hpp"
 #include "tests/unit/calibrate/filmed_room.hpp"
 #include "tests/unit/calibrate/lost_rig.hpp"
 #include "tools/calibrate/board/judge_board.hpp"
@@ -15,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <random>
@@ -247,12 +250,73 @@ void try_floor(const char* name,
     });
 }
 
+// RMS error of the cameras' places, and of their focal lengths.
+struct Exactness {
+    double centres_mm = 0.0;
+    double focals_px = 0.0;
+};
+
+Exactness exactness_of(std::uint32_t seed, double jitter_instants, double robust_sigmas) {
+    ShowOptions options;
+    options.seed = seed;
+    options.num_cameras = 4 + seed % 3;
+    options.num_instants = 120;
+    options.ring = 0.6;
+    options.jitter_instants = jitter_instants;
+    const FilmedRoom room = calibrate_test::show({calibrate_test::large_board()}, options);
+    BoardOptions how;
+    how.num_threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    how.robust_sigmas = robust_sigmas;
+    how.outlier_sigmas = robust_sigmas + 2.0;
+    const auto solution = solve_board(room.boards, room.points, how);
+    if (!solution) return {std::nan(""), std::nan("")};
+    std::vector<Eigen::Vector3d> centres;
+    double squares = 0.0;
+    for (std::size_t c = 0; c < room.cameras.size(); ++c) {
+        const BundleCamera& found = solution->rig.bundle.cameras[c];
+        centres.push_back(found.centre_world());
+        squares += std::pow(found.intrinsics().fx - room.cameras[c].intrinsics.fx, 2);
+    }
+    return {1000.0 * calibrate_test::centres_off_m(room.cameras, centres),
+            std::sqrt(squares / static_cast<double>(room.cameras.size()))};
+}
+
+void try_widths(int seeds) {
+    fmt::print("jitter,robust sigmas,runs,failed,centres mm,focals px\n");
+    // of the instant, at which the board moves by about 0.1 m
+    for (const double jitter : {0.0, 0.01, 0.03, 0.1}) {
+        for (const double sigmas : {1.5, 3.0, 5.0, 8.0, 12.0, 20.0}) {
+            std::vector<double> centres_mm, focals_px;
+            for (int seed = 1; seed <= seeds; ++seed) {
+                const Exactness found =
+                    exactness_of(static_cast<std::uint32_t>(seed), jitter, sigmas);
+                if (std::isnan(found.centres_mm)) continue;
+                centres_mm.push_back(found.centres_mm);
+                focals_px.push_back(found.focals_px);
+            }
+            const auto num_failed = static_cast<std::size_t>(seeds) - centres_mm.size();
+            fmt::print("{},{},{},{},{:.2f},{:.2f}\n",
+                       jitter,
+                       sigmas,
+                       seeds,
+                       num_failed,
+                       median_of(std::move(centres_mm)),
+                       median_of(std::move(focals_px)));
+            std::fflush(stdout);
+        }
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     const auto number = [&](int i, int otherwise) {
         return argc > i ? std::atoi(argv[i]) : otherwise;
     };
+    if (argc > 1 && std::string(argv[1]) == "widths") {
+        try_widths(number(2, 20));
+        return 0;
+    }
     bench::print_trials_heading();
     try_board("board: none", nullptr, number(2, 50));
     for (const BoardFault& fault : board_faults()) try_board(fault.name, fault.make, number(1, 20));

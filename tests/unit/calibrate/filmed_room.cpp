@@ -116,9 +116,13 @@ FilmedRoom show(const std::vector<Board>& boards, const ShowOptions& options) {
         calibrate::BoardCamera seen{camera.name, lens.width, lens.height, options.num_instants, {}};
         for (std::uint32_t instant = 0; instant < options.num_instants; ++instant) {
             std::uint32_t first = 0;
+            // drawn only if wanted, so that rooms with a trigger stay as they are
+            const double jitter = options.jitter_instants > 0.0
+                                      ? options.jitter_instants * (2.0 * chance(rng) - 1.0)
+                                      : 0.0;
             for (std::size_t b = 0; b < boards.size(); ++b) {
-                const double time =
-                    instant / options.rest * options.rest - (is_last ? options.late_instants : 0.0);
+                const double time = instant / options.rest * options.rest - jitter -
+                                    (is_last ? options.late_instants : 0.0);
                 const auto camera_from_board = camera.camera_from_site * pose_of(b, time);
                 const Eigen::Vector3d middle =
                     camera_from_board * boards[b].corner_m(boards[b].num_corners() / 2);

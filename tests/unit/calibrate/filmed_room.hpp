@@ -22,6 +22,8 @@ struct ShowOptions {
     /// The board always faces the first camera, as a beginner holds it.
     bool is_frontal = false;
     double late_instants = 0.0;  // of the last camera
+    /// Cameras without a trigger: each picture of each is up to this much early or late.
+    double jitter_instants = 0.0;
     /// [instants] The board stays this long in one place. 1: it always moves.
     std::uint32_t rest = 1;
     bool is_last_mirrored = false;  // the pictures of the last camera

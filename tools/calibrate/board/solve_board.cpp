@@ -19,11 +19,7 @@
 namespace atrium::calibrate {
 namespace {
 
-// Wider than for lights: corners have numbers, and the boards' motion between the pictures of
-// cameras without a trigger gives errors of any size, which are no outliers.
-constexpr double kBoardOutlierSigmas = 10.0;
 constexpr double kBoardLeastOutlier_px = 1.0;
-constexpr double kBoardRobustSigmas = 8.0;
 constexpr double kFirstRobust_px = 4.0;
 constexpr int kFirstIterations = 20;
 constexpr std::uint32_t kInstantsHeldOutOf = 5;
@@ -149,7 +145,7 @@ private:
     Expected<void> adjust_all(Bundle& bundle, bool are_cameras_fixed) const {
         AdjustOptions adjustment;
         adjustment.lens = options_.lens;
-        adjustment.robust_px = kBoardRobustSigmas * std::max(sigma_, 0.05);
+        adjustment.robust_px = options_.robust_sigmas * std::max(sigma_, 0.05);
         adjustment.num_threads = options_.num_threads;
         adjustment.are_cameras_fixed = are_cameras_fixed;
         return adjust(bundle, adjustment);
@@ -163,7 +159,7 @@ private:
                 errors.insert(errors.end(), {std::abs(error.x()), std::abs(error.y())});
         }
         sigma_ = 1.4826 * median_of(std::move(errors));
-        const double most_px = std::max(kBoardLeastOutlier_px, kBoardOutlierSigmas * sigma_);
+        const double most_px = std::max(kBoardLeastOutlier_px, options_.outlier_sigmas * sigma_);
         for (Sighting& sighting : bundle.sightings)
             sighting.is_used = error_px(bundle, sighting).norm() <= most_px;  // false for NaN
     }

@@ -17,6 +17,12 @@ namespace atrium::calibrate {
 struct BoardOptions {
     LensFreedom lens = LensFreedom::kAll;
     int num_threads = 1;
+    /// Errors above this many sigmas of a coordinate count less (Huber), and corners above
+    /// `outlier_sigmas`, but at least 1 px, do not count. Wider than for lights: corners have
+    /// numbers, and the board's motion between the pictures of cameras without a trigger gives
+    /// errors of any size, which are no outliers (docs/measurements/calibration.md).
+    double robust_sigmas = 8.0;
+    double outlier_sigmas = 10.0;
     /// Called with a short text when a step begins, or null.
     std::function<void(const std::string&)> report;
 };
