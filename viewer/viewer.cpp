@@ -241,9 +241,8 @@ void Viewer::Impl::draw(Clock::time_point begin) {
     const Clock::time_point now = Clock::now();
     picture.people.show_only(sites, control.inside());
     picture.update(*session, now, statistics.times());
-    const renderer::SceneRenderer& renderer = *picture.renderer;
-    const double aspect = static_cast<double>(renderer.width()) / renderer.height();
-    if (const auto view = start_view.update(picture.people.places(renderer), aspect))
+    const FollowCamera::Places people = picture.people.places(*picture.renderer);
+    if (const auto view = start_view.update(people, picture.aspect(), picture.sight(), now))
         control.set_start(*view);
     drawing->began(begin);
     hud.edit = control.edit_view(shown());

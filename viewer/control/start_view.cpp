@@ -1,8 +1,10 @@
 #include "viewer/control/start_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace atrium::viewer {
 namespace {
@@ -13,6 +15,12 @@ constexpr double kLowestEyeM = 0.3;
 // From the front towards the usual side: straight ahead the site opposite would be at the eye.
 constexpr double kAside = std::numbers::pi / 6.0;
 constexpr double kFrontsAgree = 0.5;  // length of the mean of unit vectors
+// Sides that are tried if something hides the people, at these angles above the floor.
+constexpr int kNumSides = 12;
+constexpr double kRaised = 0.7, kSteep = 1.2;
+constexpr double kFromWallM = 0.2;
+constexpr double kClearlyFurtherM = 0.3;  // else the side nearer to the preferred one
+constexpr std::chrono::seconds kForModels{5};
 
 // From the people to the eye, a unit vector.
 Eigen::Vector3d towards_eye(const FollowCamera::Places& people, const renderer::ViewCamera& usual) {
@@ -28,11 +36,11 @@ Eigen::Vector3d towards_eye(const FollowCamera::Places& people, const renderer::
     return {level * ahead.x(), level * ahead.y(), usual_side.z()};
 }
 
-}  // namespace
-
-renderer::ViewCamera view_of_people(const FollowCamera::Places& people,
-                                    const renderer::ViewCamera& usual,
-                                    double aspect) {
+// All these people in the picture, from `to_eye`, a unit vector.
+renderer::ViewCamera view_from(const Eigen::Vector3d& to_eye,
+                               const FollowCamera::Places& people,
+                               const renderer::ViewCamera& usual,
+                               double aspect) {
     // upright boxes around the people, wide enough for each direction of their sites
     Eigen::AlignedBox3d bounds;
     for (const auto& [name, place] : people) {
@@ -43,7 +51,6 @@ renderer::ViewCamera view_of_people(const FollowCamera::Places& people,
     }
     renderer::ViewCamera camera = usual;
     camera.target_m = bounds.center();
-    const Eigen::Vector3d to_eye = towards_eye(people, usual);
     Eigen::Vector3d right = Eigen::Vector3d::UnitZ().cross(to_eye);
     right = right.norm() > 1e-6 ? right.normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitX());
     const Eigen::Vector3d up = to_eye.cross(right);
@@ -68,8 +75,78 @@ renderer::ViewCamera view_of_people(const FollowCamera::Places& people,
     return camera;
 }
 
+// Whether nothing hides the head, the middle and the knees of anybody.
+bool is_free(const renderer::ViewCamera& camera,
+             const FollowCamera::Places& people,
+             const Sight& sight) {
+    return std::ranges::all_of(people, [&](const auto& person) {
+        const PersonPlace& place = person.second;
+        const Eigen::Vector3d knees =
+            place.middle - 0.25 * place.size.z() * Eigen::Vector3d::UnitZ();
+        return std::ranges::all_of(std::array{place.eyes, place.middle, knees},
+                                   [&](const Eigen::Vector3d& at) {
+                                       const Eigen::Vector3d way = camera.position_m - at;
+                                       return sight.free_m({at, way.normalized()}) >= way.norm();
+                                   });
+    });
+}
+
+// `to_eye` turned about the vertical, and raised to an angle above the floor.
+Eigen::Vector3d turned(const Eigen::Vector3d& to_eye, double turn_rad, double up_rad) {
+    Eigen::Vector3d level(to_eye.x(), to_eye.y(), 0.0);
+    level = level.norm() > 1e-6 ? level.normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitX());
+    level = Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()) * level;
+    return std::cos(up_rad) * level + std::sin(up_rad) * Eigen::Vector3d::UnitZ();
+}
+
+}  // namespace
+
+renderer::ViewCamera view_of_people(const FollowCamera::Places& people,
+                                    const renderer::ViewCamera& usual,
+                                    double aspect,
+                                    const Sight& sight) {
+    const Eigen::Vector3d preferred = towards_eye(people, usual);
+    const renderer::ViewCamera first = view_from(preferred, people, usual, aspect);
+    if (is_free(first, people, sight)) return first;
+    const double usual_up = std::asin(std::clamp(preferred.z(), -1.0, 1.0));
+    std::vector<Eigen::Vector3d> sides;  // the nearest to the preferred one first
+    for (const double up : {usual_up, kRaised, kSteep}) {
+        for (int i = 0; i < kNumSides; ++i) {
+            const int steps = i % 2 == 0 ? i / 2 : -(i + 1) / 2;
+            const double turn_rad = 2.0 * std::numbers::pi * steps / kNumSides;
+            sides.push_back(turned(preferred, turn_rad, std::max(up, usual_up)));
+        }
+    }
+    for (const Eigen::Vector3d& side : sides) {
+        const renderer::ViewCamera camera = view_from(side, people, usual, aspect);
+        if (is_free(camera, people, sight)) return camera;
+    }
+    // from the side on which it is free the furthest
+    renderer::ViewCamera nearer = first;
+    double furthest_m = 0.0;
+    for (int i = 0; i < kNumSides; ++i) {
+        const Eigen::Vector3d& side = sides[static_cast<std::size_t>(i)];
+        const double free_m = sight.free_m({first.target_m, side}) - kFromWallM;
+        if (free_m < furthest_m + kClearlyFurtherM) continue;
+        furthest_m = free_m;
+        nearer = view_from(side, people, usual, aspect);
+        const Eigen::Vector3d way = nearer.position_m - nearer.target_m;
+        nearer.position_m = nearer.target_m + std::min(free_m, way.norm()) * way.normalized();
+    }
+    return nearer;
+}
+
+renderer::ViewCamera StartView::choose(const FollowCamera::Places& people,
+                                       double aspect,
+                                       const Sight& sight) {
+    seen_revision_ = sight.revision;
+    return view_of_people(people, usual_, aspect, sight);
+}
+
 std::optional<renderer::ViewCamera> StartView::update(const FollowCamera::Places& people,
-                                                      double aspect) {
+                                                      double aspect,
+                                                      const Sight& sight,
+                                                      Clock::time_point now) {
     if (!is_wanted_) return std::nullopt;
     // nobody is left of those whom the picture shows: others begin anew
     const bool is_left = std::ranges::none_of(
@@ -77,9 +154,14 @@ std::optional<renderer::ViewCamera> StartView::update(const FollowCamera::Places
     if (is_left && !people.empty()) framed_.clear();
     const auto has_place = [](const PersonPlace& place) { return !place.front.isZero(); };
     if (framed_.empty()) {
-        if (people.empty() || people.size() < num_people_) return std::nullopt;
+        if (people.empty() || people.size() < num_people_) {
+            came_at_.reset();
+            return std::nullopt;
+        }
+        if (!came_at_) came_at_ = now;
+        if (!sight.is_complete && now < *came_at_ + kForModels) return std::nullopt;
         for (const auto& [name, place] : people) framed_[name] = has_place(place);
-        return view_of_people(people, usual_, aspect);
+        return choose(people, aspect, sight);
     }
     FollowCamera::Places still_here;
     bool is_moved = false;
@@ -90,7 +172,9 @@ std::optional<renderer::ViewCamera> StartView::update(const FollowCamera::Places
         is_moved = is_moved || (!had_place && has_place(person->second));
         had_place = has_place(person->second);
     }
-    return is_moved ? std::optional(view_of_people(still_here, usual_, aspect)) : std::nullopt;
+    const bool has_more = sight.revision != seen_revision_ && sight.is_complete && came_at_ &&
+                          now < *came_at_ + kForModels;
+    return is_moved || has_more ? std::optional(choose(still_here, aspect, sight)) : std::nullopt;
 }
 
 }  // namespace atrium::viewer

@@ -1,5 +1,7 @@
 #include "viewer/scene/scene_view.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace atrium::viewer {
@@ -88,6 +90,7 @@ void SceneView::change(std::uint32_t id,
 void SceneView::change(const std::string& name,
                        const std::optional<bus::Scenery>& scenery,
                        renderer::SceneRenderer& renderer) {
+    ++revision_;
     if (!scenery) {
         scenery_.erase(name);
         renderer.set_scenery(name, {});
@@ -195,17 +198,41 @@ std::optional<Hit> SceneView::pick(const Ray& ray, Pickable which) const {
                                      ? object->second.mass_kg > 0.0
                                      : object->second.shape != bus::Shape::kPlane;
         if (!is_pickable) continue;
-        // what is drawn: the origin of a model may be anywhere
-        if (const auto mesh = mesh_of(object->second))
-            consider(hit(ray, state.object, *mesh, state.world_from_object));
-        else
-            consider(hit(ray, object->second, state.world_from_object));
+        consider(hit_object(ray, object->second, state.world_from_object));
     }
     for (const auto& [id, body] : soft_bodies_) {
         const auto nodes = nodes_.find(id);
         if (nodes != nodes_.end()) consider(hit(ray, body, nodes->second));
     }
-    return nearest;
+    const bool is_hidden = nearest && free_m(ray) < nearest->distance_m;
+    return is_hidden ? std::nullopt : nearest;
+}
+
+// What is drawn: the origin of a model may be anywhere.
+std::optional<Hit> SceneView::hit_object(const Ray& ray,
+                                         const bus::SceneObject& object,
+                                         const geometry::RigidTransform& world_from_object) const {
+    if (const auto mesh = mesh_of(object)) return hit(ray, object.object, *mesh, world_from_object);
+    return hit(ray, object, world_from_object);
+}
+
+double SceneView::free_m(const Ray& ray) const {
+    double free_m = std::numeric_limits<double>::infinity();
+    const auto consider = [&](const std::optional<Hit>& found) {
+        if (found) free_m = std::min(free_m, found->distance_m);
+    };
+    for (const bus::ObjectState& state : states_) {
+        const auto object = objects_.find(state.object);
+        if (object == objects_.end() || object->second.mass_kg > 0.0 ||
+            object->second.shape == bus::Shape::kPlane)
+            continue;
+        consider(hit_object(ray, object->second, state.world_from_object));
+    }
+    for (const auto& [name, scenery] : scenery_) {
+        if (const auto mesh = models_.loaded(scenery.model, scenery.model_scale))
+            consider(hit(ray, 0, *mesh, scenery.world_from_model));
+    }
+    return free_m;
 }
 
 std::set<std::string> SceneView::site_names() const {

@@ -34,8 +34,12 @@ public:
                 const std::optional<Timestamp>& instant,
                 renderer::SceneRenderer& renderer);
     enum class Pickable : std::uint8_t { kMovable, kAllButPlanes };
-    /// Nearest object on a ray, as shown now.
+    /// Nearest object on a ray, as shown now; none if scenery or a fixed object hides it.
     std::optional<Hit> pick(const Ray& ray, Pickable which = Pickable::kMovable) const;
+    /// Distance along a ray to the first thing that never moves and hides what is behind it:
+    /// scenery or a fixed object, but no plane [m]. Infinite: none. Models count once they are
+    /// loaded.
+    double free_m(const Ray& ray) const;
     /// Surface of an object with a model in its frame. Null: none, or not loaded yet.
     std::shared_ptr<const renderer::ShapeMesh> mesh_of(const bus::SceneObject& object) const;
     /// All objects, soft ones included.
@@ -52,7 +56,7 @@ public:
     bool is_complete() const;
     /// Of the objects and scenery.
     BadFiles bad_files() const;
-    /// Increases with every change of `objects`.
+    /// Increases with every change of `objects` and of the scenery.
     std::uint64_t revision() const { return revision_; }
     /// Drops everything; call it when the renderer is destroyed.
     void clear();
@@ -72,6 +76,9 @@ private:
     void show_new_files(SceneTimeline::Clock::time_point now, renderer::SceneRenderer& renderer);
     template <typename IsModel, typename IsTexture>
     std::string file_that(const IsModel& is_model, const IsTexture& is_texture) const;
+    std::optional<Hit> hit_object(const Ray& ray,
+                                  const bus::SceneObject& object,
+                                  const geometry::RigidTransform& world_from_object) const;
     void show_soft(std::uint32_t object, renderer::SceneRenderer& renderer);
 
     ModelLibrary models_;

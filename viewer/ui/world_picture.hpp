@@ -2,6 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "viewer/config/viewer_config.hpp"
+#include "viewer/control/start_view.hpp"
 #include "viewer/overlay/annotations.hpp"
 #include "viewer/pacing/drawing_times.hpp"
 #include "viewer/receive/session.hpp"
@@ -49,6 +50,14 @@ struct WorldPicture {
               DrawingTimes& times);
     std::vector<renderer::EyeView> eyes_of(const renderer::ViewCamera& camera) const {
         return display.eyes(camera, renderer->width(), renderer->height());
+    }
+    /// Width of the picture by its height.
+    double aspect() const { return static_cast<double>(renderer->width()) / renderer->height(); }
+    /// What may stand between an eye and people, as shown now; for the first viewpoint.
+    Sight sight() const {
+        return {[this](const Ray& ray) { return scene.free_m(ray); },
+                scene.is_complete(),
+                scene.revision()};
     }
     /// Adopts the size of the surface.
     Expected<void> resize();

@@ -151,5 +151,56 @@ TEST_F(SceneViewTest, PicksTheDrawnModelWhereverItsOriginIs) {
     EXPECT_FALSE(picked_from_above(1.7, -0.3)) << "in a box around the origin";
 }
 
+// A ball at 2 m, behind a wall at 1 m: scenery, a fixed box or a movable one.
+TEST_F(SceneViewTest, PicksNothingThatAWallHides) {
+    const Ray ray{{0, 0, 1}, {1, 0, 0}};
+    bus::SceneState state;
+    state.time = Timestamp{1'000'000'000'000};
+    state.objects.resize(2);
+    state.objects[0].object = 7;
+    state.objects[0].world_from_object.translation = {2.0, 0.0, 1.0};
+    state.objects[1].object = 8;
+    state.objects[1].world_from_object.translation = {1.0, 0.0, 1.0};
+    bus::SceneObject wall = ball(8);
+    wall.shape = bus::Shape::kBox;
+    wall.size_m = {0.1, 2.0, 2.0};
+    const auto show = [&](double wall_kg) {
+        wall.mass_kg = wall_kg;
+        SceneChanges changes;
+        changes.objects[7] = ball(7);
+        changes.objects[8] = wall;
+        changes.states.emplace_back(state, SceneTimeline::Clock::now());
+        update(std::move(changes));
+    };
+    show(3.0);
+    ASSERT_TRUE(view_.pick(ray));
+    EXPECT_EQ(view_.pick(ray)->object, 8U);
+    EXPECT_TRUE(std::isinf(view_.free_m(ray))) << "it may move away";
+    show(0.0);
+    EXPECT_FALSE(view_.pick(ray));
+    EXPECT_NEAR(view_.free_m(ray), 0.95, 1e-6);
+    const auto fixed = view_.pick(ray, SceneView::Pickable::kAllButPlanes);
+    ASSERT_TRUE(fixed);
+    EXPECT_EQ(fixed->object, 8U);
+
+    SceneChanges gone;
+    gone.objects[8] = std::nullopt;
+    bus::Scenery scenery;
+    scenery.name = "wall";
+    scenery.model = "tetra.obj";  // the corner at its origin, and its edges 1 m along the axes
+    scenery.world_from_model.translation = {0.9, -0.2, 0.8};
+    gone.scenery["wall"] = scenery;
+    update(std::move(gone));
+    while (!view_.is_complete()) {
+        update({});
+        std::this_thread::yield();
+    }
+    EXPECT_NEAR(view_.free_m(ray), 0.9, 1e-6);
+    EXPECT_FALSE(view_.pick(ray));
+    EXPECT_FALSE(view_.pick(ray, SceneView::Pickable::kAllButPlanes));
+    const Ray above{{0, 0, 3}, {1, 0, -1}};
+    EXPECT_TRUE(view_.pick({above.origin, above.direction.normalized()})) << "over the wall";
+}
+
 }  // namespace
 }  // namespace atrium::viewer
