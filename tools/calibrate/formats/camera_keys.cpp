@@ -87,6 +87,20 @@ void set_pose(Found& camera, const Tree& tree, const std::string& suffix) {
                                                         : Reading::Pose::kSiteFromCamera;
     camera.is_mixed = wc != nullptr && t_cw != nullptr;
 }
+// Intrinsics, and what OpenPose calls a camera matrix beside them: the pose.
+void set_matrices(Found& camera, const Tree& tree, const std::string& suffix) {
+    const Tree* narrow = nullptr;
+    const Tree* wide = nullptr;
+    for (const char* key : kMatrix) {
+        const Tree* value = find(tree, {(key + suffix).c_str()});
+        if (value == nullptr) continue;
+        const auto all = numbers(*value);
+        const Tree*& kind = all && (all->size() == 12 || all->size() == 16) ? wide : narrow;
+        if (kind == nullptr) kind = value;
+    }
+    set(camera.matrix, narrow);
+    set(camera.wide_matrix, camera.wide_key, tree, wide);
+}
 void set_size(Found& camera, const Tree& tree, const std::string& suffix) {
     set(camera.width, find_with(tree, kWidth, suffix));
     set(camera.height, find_with(tree, kHeight, suffix));
@@ -212,7 +226,7 @@ Expected<void> CameraKeys::add_stereo(const Tree& tree) {
 
 void CameraKeys::add_keys(const Tree& tree, const std::string& suffix, const std::string& name) {
     Found& camera = cameras_[name];
-    set(camera.matrix, find_with(tree, kMatrix, suffix));
+    set_matrices(camera, tree, suffix);
     for (const Tree* map : {&tree, camera.matrix})
         if (suffix.empty() && map != nullptr && has_focal(*map)) camera.focal = map;
     set(camera.distortion, find_with(tree, kDistortion, suffix));
@@ -256,6 +270,13 @@ void CameraKeys::add_map(const Tree& tree, const std::string& name, int depth) {
 }
 
 void CameraKeys::finish() {
+    for (auto& [name, found] : cameras_) {
+        const bool has_lens = found.matrix != nullptr || found.focal != nullptr;
+        const bool has_pose = found.pose != nullptr || found.rotation != nullptr;
+        if (found.wide_matrix == nullptr || !has_lens || has_pose) continue;
+        found.pose = found.wide_matrix;
+        found.pose_key = found.wide_key;
+    }
     for (auto it = cameras_.begin(); it != cameras_.end();) {
         const auto& [name, found] = *it;
         const auto camera = cameras_.find(first_of_two(name));

@@ -24,7 +24,8 @@ using Keys = std::initializer_list<const char*>;
 /// Values of one camera, from one or more files.
 struct Found {
     const Tree* matrix = nullptr;
-    const Tree* focal = nullptr;  // a map with numbers of kFocal
+    const Tree* wide_matrix = nullptr;  // under a key of `matrix`, but of 3x4 or 4x4 numbers
+    const Tree* focal = nullptr;        // a map with numbers of kFocal
     const Tree* distortion = nullptr;
     const Tree* coefficients = nullptr;  // a map with k1
     const Tree* rotation = nullptr;
@@ -33,6 +34,7 @@ struct Found {
     std::string rotation_key;
     std::string translation_key;
     std::string pose_key;
+    std::string wide_key;
     std::optional<Reading::Pose> meaning;  // that the keys say, as R_wc and t_wc do
     bool is_mixed = false;                 // R_wc and t_cw: the rotation is the other way round
     const Tree* width = nullptr;
@@ -64,7 +66,7 @@ public:
                        const std::filesystem::path& file,
                        const std::string& name);
     /// After the last file: gives poses that are named by two cameras, as "cam2_to_cam1", to the
-    /// first of them.
+    /// first of them, and takes wide matrices beside intrinsics for poses (OpenPose).
     void finish();
 
     const std::map<std::string, Found>& cameras() const { return cameras_; }

@@ -5,6 +5,8 @@
 #include "tools/calibrate/formats/lens.hpp"
 #include "tools/calibrate/names/name_parts.hpp"
 
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -32,6 +34,11 @@ void transpose(std::vector<double>& m, std::size_t size) {
         for (std::size_t k = 0; k < i; ++k) std::swap(m[size * i + k], m[size * k + i]);
 }
 
+// The left 3x3 numbers of a matrix of 3x4 or 4x4, row by row.
+std::vector<double> left_of(const std::vector<double>& m) {
+    return {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
+}
+
 std::optional<ForeignPose> pose_of(const Found& found) {
     std::vector<double> rotation;
     std::vector<double> translation;
@@ -39,7 +46,7 @@ std::optional<ForeignPose> pose_of(const Found& found) {
         auto m = numbers(*found.pose);
         if (m && is_transposed(*m, 4)) transpose(*m, 4);
         if (!m || (m->size() != 12 && m->size() != 16)) return std::nullopt;
-        for (const std::size_t i : {0, 1, 2, 4, 5, 6, 8, 9, 10}) rotation.push_back((*m)[i]);
+        rotation = left_of(*m);
         for (const std::size_t i : {3, 7, 11}) translation.push_back((*m)[i]);
     } else {
         if (found.rotation == nullptr || found.translation == nullptr) return std::nullopt;
@@ -93,6 +100,49 @@ std::optional<std::vector<double>> coefficients_in(const Tree& map, const std::s
     return coefficients;
 }
 
+// "fx = 900, ..." if a matrix of 3x4 numbers is K [R|t] of a plausible lens; else empty. With wrong
+// numbers, as of decimal commas, it is not.
+std::string lens_in_projection(const std::vector<double>& m) {
+    constexpr double kLeastFocal_px = 10.0;
+    constexpr double kMostSkew = 0.1;
+    constexpr double kMostUneven = 2.0;  // ratio of the focal lengths
+    Eigen::Matrix3d left;
+    left << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
+    const Eigen::Matrix3d inverse = left.inverse();  // R' K^-1, whose QR these are
+    if (!inverse.allFinite()) return {};
+    const Eigen::HouseholderQR<Eigen::Matrix3d> qr(inverse);
+    const Eigen::Matrix3d upper = qr.matrixQR().triangularView<Eigen::Upper>();
+    Eigen::Matrix3d k = upper.inverse();
+    for (int i = 0; i < 3; ++i)
+        if (k(i, i) < 0.0) k.col(i) = -k.col(i);
+    k /= k(2, 2);
+    const bool is_lens = k.allFinite() && k(0, 0) >= kLeastFocal_px && k(1, 1) >= kLeastFocal_px &&
+                         std::max(k(0, 0), k(1, 1)) <= kMostUneven * std::min(k(0, 0), k(1, 1)) &&
+                         std::abs(k(0, 1)) <= kMostSkew * k(0, 0);
+    if (!is_lens) return {};
+    return fmt::format(
+        "fx = {:.6g}, fy = {:.6g}, cx = {:.6g}, cy = {:.6g}", k(0, 0), k(1, 1), k(0, 2), k(1, 2));
+}
+
+// What a camera matrix of 3x4 or 4x4 numbers looks like, with the cure; empty: like neither.
+std::string explain_wide(const std::string& key, const std::vector<double>& m) {
+    const char* shape = m.size() == 12 ? "3x4" : "4x4";
+    if (rotation_of(left_of(m)))
+        return fmt::format(
+            "{} has {} numbers and looks like a pose [R|t], as OpenPose writes it: "
+            "give the intrinsics beside it, as Intrinsics or K, with 9 numbers",
+            key,
+            shape);
+    if (const std::string lens = lens_in_projection(m); !lens.empty())
+        return fmt::format(
+            "{} has {} numbers and looks like a projection matrix P = K [R|t] with "
+            "{}: write K with 9 numbers, and the inverse of K times P as RT",
+            key,
+            shape,
+            lens);
+    return {};
+}
+
 constexpr double kLongestRotation = 6.5;  // [rad], a whole turn
 
 // Whether a size is that of an array, height and width: the principal point is far from the middle
@@ -120,12 +170,18 @@ Expected<ForeignCamera> camera_of(const std::string& name,
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("{}: camera '{}': {}", found.where, name, what));
     };
-    if (found.matrix != nullptr || found.focal != nullptr) {
+    // finish() left a wide matrix to be the camera matrix, or made it the pose
+    const Tree* matrix_given = found.matrix;
+    if (matrix_given == nullptr && found.focal == nullptr) matrix_given = found.wide_matrix;
+    const auto wide = found.wide_matrix == nullptr ? std::nullopt : numbers(*found.wide_matrix);
+    const std::string of_wide = wide ? explain_wide(found.wide_key, *wide) : "";
+    if (matrix_given == found.wide_matrix && !of_wide.empty()) return wrong(of_wide);
+    if (matrix_given != nullptr || found.focal != nullptr) {
         LensNumbers lens;
         if (found.focal != nullptr) {
             for (const Keys keys : kFocal)
                 lens.matrix.push_back(*number(*find(*found.focal, keys)));
-        } else if (const auto matrix = numbers(*found.matrix)) {
+        } else if (const auto matrix = numbers(*matrix_given)) {
             lens.matrix = *matrix;
             if (is_transposed(lens.matrix, 3)) {
                 transpose(lens.matrix, 3);
@@ -174,6 +230,7 @@ Expected<ForeignCamera> camera_of(const std::string& name,
     const bool has_values =
         found.pose != nullptr || (found.rotation != nullptr && found.translation != nullptr);
     if (has_values && !camera.pose) {
+        if (found.pose == found.wide_matrix && !of_wide.empty()) return wrong(of_wide);
         return wrong(fmt::format("its pose must be {}; {}{}",
                                  found.pose != nullptr
                                      ? "a matrix of 3x4 or 4x4 numbers with a right-handed rotation"
