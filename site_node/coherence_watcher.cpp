@@ -157,8 +157,9 @@ std::string CoherenceWatcher::text_of(const coherence::Report& report) const {
     if (!report.fault)
         return fmt::format(
             "rig_incoherent coherence_px={:.2f} reason=\"the silhouettes contradict the rig, and "
-            "no single camera explains it: look at them with --preview; if they are good, do all "
-            "cameras or videos show the same instant? If so, {}, and "
+            "no single camera explains it: cure what cameras_contradict names, if it does; else "
+            "look at them with --preview; if they are good, do all cameras or videos show the same "
+            "instant? If so, {}, and "
             "mend cameras that are off by up to 1 degree and 3 cm with `{}`, or calibrate again\"",
             report.rms_px,
             walk,

@@ -1,5 +1,6 @@
 #include "site_node/rig_check/diagnosis.hpp"
 
+#include "site_node/rig_check/flips.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
 
 #include <fmt/format.h>
@@ -16,6 +17,8 @@ namespace {
 constexpr double kResidualShare = 0.4;
 constexpr double kStrictResidualShare = 0.3;  // of silhouettes that fit not too badly as they are
 constexpr double kGoodShare = 0.8;
+constexpr double kAlike = 0.02;     // shares that differ by less prefer neither cause
+constexpr double kMostLost = 0.05;  // by a camera that agrees, of the share without it
 constexpr std::size_t kMinRays = 60;
 constexpr std::size_t kRaysPerRig = 640;
 constexpr std::size_t kLeastRays = 24;
@@ -70,6 +73,7 @@ public:
         try_misreadings();
         try_scales();
         if (!best_) try_exchanges();
+        try_flips();
         if (best_ || share_ >= kPoorShare) return best_;
         if (auto one = one_camera()) return one;
         return unknown();
@@ -217,25 +221,46 @@ private:
     }
 
     // Of a camera that hangs upside down, for example: whoever plays its videos turns them.
-    std::optional<Diagnosis> turned_pictures(std::size_t camera) const {
-        Views views = views_;
-        const geometry::PinholeCamera& lens = views[camera].intrinsics;
-        const Eigen::Vector2d last_px(lens.width - 1, lens.height - 1);
-        for (auto& contour : views[camera].contours)
-            for (Eigen::Vector2d& pixel : contour)
-                pixel = lens.undistort(last_px - lens.distort(pixel)).value_or(pixel);
-        const double share = share_of(views);
-        if (!convinces(share)) return std::nullopt;
-        return Diagnosis{
-            Cause::kTurned,
-            fmt::format("{} contradicts all others, but not if its pictures are turned by 180 "
-                        "degrees: give them as the camera took them when it was calibrated, also "
-                        "if that is upside down (ffmpeg -i FILE -vf hflip,vflip OUT), or "
-                        "calibrate it as it hangs now",
-                        names_[camera]),
-            share_,
-            share,
-            {names_[camera]}};
+    // `share_without`: of the others alone, which flipped pictures must hardly lower.
+    std::optional<Diagnosis> flipped_pictures(std::size_t camera, double share_without) const {
+        std::optional<Diagnosis> best;
+        for (const Flip& flip : kFlips) {
+            if (!goes_on()) break;
+            Views views = views_;
+            flip_contours(views[camera], flip);
+            const double share = share_of(views);
+            if (!convinces(share) || share < share_without - kMostLost ||
+                (best && best->share_if >= share))
+                continue;
+            best = Diagnosis{
+                flip.cause, text_of_one(flip, names_[camera]), share_, share, {names_[camera]}};
+        }
+        return best;
+    }
+
+    // A recording program that mirrors, as for a selfie, does so with all cameras. In a symmetric
+    // ring that is the same as cameras that are exchanged with those across a plane of symmetry:
+    // one pair is as likely as that, two pairs are not.
+    void try_flips() {
+        if (views_.size() < 3) return;  // two contradict too little
+        // three cameras, one of which is off, may seem to be mirrored
+        const double least = views_.size() == 3 ? kFineShare : kGoodShare;
+        std::optional<Diagnosis> flipped;
+        for (const Flip& flip : kFlips) {
+            if (!goes_on()) return;
+            Views views = views_;
+            for (auto& view : views) flip_contours(view, flip);
+            const double share = share_of(views);
+            if (share >= least && convinces(share) && (!flipped || share > flipped->share_if))
+                flipped = Diagnosis{flip.cause, text_of_all(flip), share_, share, {}};
+        }
+        if (!flipped) return;
+        const double lead = flipped->share_if - (best_ ? best_->share_if : 0.0);
+        const bool is_swap = best_ && best_->cause == Cause::kSwapped && lead >= -kAlike;
+        if (!best_ || lead > kAlike || (is_swap && best_->cameras.size() > 2))
+            best_ = std::move(flipped);
+        else if (is_swap)
+            best_->text += "; if they are not, " + flipped->text;
     }
 
     std::optional<Diagnosis> one_camera() const {
@@ -252,7 +277,7 @@ private:
             }
         }
         if (!convinces(best_share)) return std::nullopt;
-        if (auto turned = turned_pictures(best)) return turned;
+        if (auto flipped = flipped_pictures(best, best_share)) return flipped;
         return Diagnosis{
             Cause::kOneCamera,
             fmt::format(

@@ -18,7 +18,9 @@ enum class Cause : std::uint8_t {
     kSwapped,      // the pictures or the extrinsics of cameras are exchanged
     kFocal,        // focal lengths or picture sizes are scaled
     kUndistorted,  // the pictures were undistorted before, the rig has the original lenses
-    kTurned,       // the pictures of one camera are turned by 180 degrees
+    kTurned,       // the pictures of one camera or all are turned by 180 degrees
+    kMirrored,     // they are mirrored left-right
+    kFlipped,      // they are mirrored upside down
     kOneCamera,    // one camera contradicts all others otherwise
     kUnknown,
 };
@@ -48,9 +50,13 @@ bool distort_much(std::span<const views::NamedView> views);
 
 /// Finds why silhouettes of one instant do not fit together: tries what people get wrong (inverted
 /// extrinsics, OpenGL's axes, exchanged cameras, scaled intrinsics, pictures without distortion,
-/// one camera whose pictures were turned or that moved), and names what explains the silhouettes
-/// so much better that chance is out of the question. nullopt if the silhouettes fit. Silhouettes
-/// of one instant may mislead: trust what several instants say.
+/// pictures of all cameras or of one that were turned or mirrored, one camera that moved), and
+/// names what explains the silhouettes so much better that chance is out of the question. nullopt
+/// if the silhouettes fit. Silhouettes of one instant may mislead: trust what several instants say.
+///
+/// A person is nearly symmetric, so in the middle of a picture a mirrored one is not found. In a
+/// ring with a plane of symmetry, pictures of all cameras that are mirrored look the same as
+/// cameras that are exchanged across it: with one such pair the text says both.
 ///
 /// Takes one measurement per hypothesis: some tenths of a second for 8 cameras, up to two seconds
 /// for 24. `go_on` may stop it.

@@ -2,7 +2,7 @@
 """Writes a recording of a person of balls who walks through a room of six cameras, with silhouettes, for the rows of
 calibrate_refine.toml. rig.toml is what a calibration said before cameras moved.
 
-    make_walk.py FOLDER [--frames N] [--stand] [--turn CAMERA DEGREES] [--turn-all DEGREES] [--late CAMERA]
+    make_walk.py FOLDER [--frames N] [--stand] [--turn CAMERA DEGREES] [--turn-all DEGREES] [--late CAMERA] [--flip CAMERA|all hflip|vflip]
 """
 
 import argparse
@@ -56,6 +56,13 @@ def silhouette(balls, rows, translation):
     return picture
 
 
+def flipped(picture, camera, flip):
+    """Picture of a camera in a recording with these two values of --flip: a camera or all, and ffmpeg's filter."""
+    if flip[0] not in (camera, "all"):
+        return picture
+    return [row[::-1] for row in picture] if flip[1] == "hflip" else picture[::-1]
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("folder")
@@ -64,6 +71,7 @@ def main():
     parser.add_argument("--turn", nargs=2, default=["", "0"])
     parser.add_argument("--turn-all", type=float, default=0.0)
     parser.add_argument("--late", default="")
+    parser.add_argument("--flip", nargs=2, default=["", ""])
     options = parser.parse_args()
     make_recording.WIDTH, make_recording.HEIGHT = WIDTH, HEIGHT
     os.makedirs(options.folder)
@@ -84,7 +92,7 @@ def main():
                 instant = 0 if options.stand else number - (1 if name == options.late else 0)
                 file = f"{number:06d}.png"
                 os.link(grey, os.path.join(options.folder, name, "frames", file))
-                mask = silhouette(balls_at(FRAME_S * instant), rows, translation)
+                mask = flipped(silhouette(balls_at(FRAME_S * instant), rows, translation), name, options.flip)
                 make_recording.write_png(os.path.join(options.folder, name, "silhouettes", file), mask, 1)
 
 

@@ -2,6 +2,7 @@
 
 #include "core/config/rig.hpp"
 #include "site_node/kept_silhouettes.hpp"
+#include "site_node/rig_check/flips.hpp"
 #include "site_node/views/views_file.hpp"
 #include "tests/support/people/walk_film.hpp"
 #include "tests/support/people/walking_people.hpp"
@@ -89,6 +90,21 @@ TEST_F(KeptTake, IsTheSameAsWhatTheSiteSaw) {
             }
         }
     }
+}
+
+// Poses are not judged by mirrored pictures: no refinement mends those.
+TEST_F(KeptTake, NamesMirroredPicturesAlone) {
+    auto take = read_take(folder_, rig_, {});
+    ASSERT_TRUE(take) << take.error().message;
+    for (auto& views : take->views)
+        for (auto& view : views) rig_check::flip_contours(view.view, rig_check::kFlips[1]);
+    RigCheck check;
+    config::Rig rig;
+    rig.cameras = rig_;
+    check_silhouettes(rig, *take, "lab.toml", "kept/lab", check);
+    ASSERT_EQ(check.problems.size(), 1u);
+    EXPECT_THAT(check.problems.front(),
+                HasSubstr("the pictures of all cameras look mirrored left-right"));
 }
 
 TEST_F(KeptTake, NamesAndMendsTheCamera) {

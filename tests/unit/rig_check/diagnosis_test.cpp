@@ -1,5 +1,6 @@
 #include "site_node/rig_check/diagnosis.hpp"
 
+#include "site_node/rig_check/flips.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
@@ -8,7 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <map>
+#include <cmath>
+#include <numbers>
 
 // Seeded scenes of people: each mistake is found, and no good rig is blamed.
 namespace atrium::rig_check {
@@ -161,18 +163,138 @@ TEST(Diagnosis, FindsTwoSwappedCameras) {
     EXPECT_GE(named_right, of_seeds(8));
 }
 
-TEST(Diagnosis, FindsPicturesOfOneCameraThatWereTurned) {
-    const Score score = score_of(Cause::kTurned, [](Random& random, auto& views) {
-        auto& turned = views[static_cast<std::size_t>(
-                                 test::between(random, 0, static_cast<int>(views.size()) - 1))]
-                           .view;
-        const geometry::PinholeCamera& lens = turned.intrinsics;
-        for (auto& contour : turned.contours)
-            for (Eigen::Vector2d& pixel : contour)
-                pixel = Eigen::Vector2d(lens.width - 1, lens.height - 1) - pixel;
-    });
-    EXPECT_GE(score.right, of_seeds(6));
-    EXPECT_EQ(score.wrong, 0);
+// The lenses of these scenes have no distortion; see FlipsTheStoredPicture.
+void flip(bool is_x, bool is_y, hull::SilhouetteView& view) {
+    for (auto& contour : view.contours)
+        for (Eigen::Vector2d& pixel : contour) {
+            if (is_x) pixel.x() = view.intrinsics.width - 1 - pixel.x();
+            if (is_y) pixel.y() = view.intrinsics.height - 1 - pixel.y();
+        }
+}
+
+struct FlipCase {
+    bool is_x, is_y;
+    Cause cause;
+    const char* filter;
+};
+constexpr FlipCase kFlipCases[] = {{true, true, Cause::kTurned, "-vf hflip,vflip OUT"},
+                                   {true, false, Cause::kMirrored, "-vf hflip OUT"},
+                                   {false, true, Cause::kFlipped, "-vf vflip OUT"}};
+
+TEST(Diagnosis, FindsPicturesOfOneCameraThatWereTurnedOrMirrored) {
+    for (const FlipCase& one : kFlipCases) {
+        const Score score = score_of(one.cause, [&](Random& random, auto& views) {
+            flip(one.is_x,
+                 one.is_y,
+                 views[static_cast<std::size_t>(
+                           test::between(random, 0, static_cast<int>(views.size()) - 1))]
+                     .view);
+        });
+        EXPECT_GE(score.right, of_seeds(6)) << one.filter;
+        EXPECT_EQ(score.wrong, 0) << one.filter;
+        EXPECT_NE(score.text.find(one.filter), std::string::npos) << score.text;
+        EXPECT_NE(score.text.find("contradicts all others, but not if its pictures are"),
+                  std::string::npos)
+            << score.text;
+    }
+}
+
+TEST(Diagnosis, FindsPicturesOfAllCamerasThatWereTurnedOrMirrored) {
+    for (const FlipCase& all : kFlipCases) {
+        const Score score = score_of(all.cause, [&](Random&, auto& views) {
+            for (auto& view : views) flip(all.is_x, all.is_y, view.view);
+        });
+        EXPECT_GE(score.right, of_seeds(9)) << all.filter;
+        EXPECT_EQ(score.wrong, 0) << all.filter;
+        EXPECT_NE(score.text.find(all.filter), std::string::npos) << score.text;
+        EXPECT_NE(score.text.find("the pictures of all cameras look"), std::string::npos)
+            << score.text;
+    }
+}
+
+// A person in a ring whose cameras, all at one height, stand and look symmetrically. It stands
+// away from the middle.
+std::vector<views::NamedView> symmetric_scene(std::uint64_t seed, int num_views) {
+    Random random(seed);
+    test::Bodies bodies;
+    bodies.radius_m = 2.0;
+    bodies.parts = test::make_person(
+        random, {test::between(random, 0.2, 0.6), test::between(random, -0.6, -0.2), 0.0});
+    const double height_m = test::between(random, 1.2, 2.4);
+    std::vector<geometry::CalibratedCamera> rig;
+    for (int i = 0; i < num_views; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / num_views;
+        const Eigen::Vector3d centre(3.0 * std::cos(angle), 3.0 * std::sin(angle), height_m);
+        Eigen::Matrix3d rows;
+        rows.row(2) = (Eigen::Vector3d(0.0, 0.0, 0.9) - centre).normalized();
+        rows.row(0) = rows.row(2).cross(Eigen::RowVector3d::UnitZ()).normalized();
+        rows.row(1) = rows.row(2).cross(rows.row(0));
+        geometry::CalibratedCamera camera;
+        camera.intrinsics = {
+            .width = 800, .height = 600, .fx = 560, .fy = 560, .cx = 399.5, .cy = 299.5};
+        camera.camera_from_site = {Eigen::Quaterniond(rows), -rows * centre};
+        rig.push_back(camera);
+    }
+    return named(test::views_of(bodies, rig, {.noise_px = 0.7, .shift_px = 0.7}, random));
+}
+
+// There, mirrored pictures of all cameras are those of cameras exchanged in pairs, of a mirrored
+// person.
+TEST(Diagnosis, OfAMirroredSymmetricRingNamesNotOnlySwappedCameras) {
+    for (const int num_views : {4, 5, 6, 8}) {
+        int num_told = 0;
+        for (std::uint64_t seed = 1; seed <= kNumSeeds; ++seed) {
+            auto views = symmetric_scene(seed, num_views);
+            const auto good = diagnose(views, {});
+            EXPECT_FALSE(good) << num_views << " " << seed << ": " << good->text;
+            for (auto& view : views) flip(true, false, view.view);
+            const auto diagnosis = diagnose(views, {});
+            num_told += diagnosis && diagnosis->text.find(
+                                         "the pictures of all cameras look "
+                                         "mirrored left-right") != std::string::npos;
+            if (diagnosis && num_views > 4) {
+                EXPECT_NE(diagnosis->cause, Cause::kSwapped) << seed;
+            }
+        }
+        EXPECT_GE(num_told, of_seeds(9)) << num_views;
+    }
+}
+
+TEST(Diagnosis, OfASymmetricRingStillNamesSwappedCameras) {
+    for (const int num_views : {4, 6, 8}) {
+        int num_told = 0;
+        for (std::uint64_t seed = 1; seed <= kNumSeeds; ++seed) {
+            auto views = symmetric_scene(seed, num_views);
+            std::swap(views[0].view.contours,
+                      views[static_cast<std::size_t>(num_views) / 2].view.contours);
+            const auto diagnosis = diagnose(views, {});
+            num_told += diagnosis && diagnosis->cause == Cause::kSwapped;
+        }
+        EXPECT_GE(num_told, of_seeds(9)) << num_views;
+    }
+}
+
+TEST(Flips, ApplyToTheStoredPictureAndKeepForegroundLeft) {
+    hull::SilhouetteView view;
+    view.intrinsics = {.width = 800, .height = 600, .fx = 560, .fy = 550, .cx = 390.0, .cy = 310.0};
+    view.intrinsics.distortion = {-0.12, 0.03, 0.001, -0.002, 0.0};
+    view.contours = {{{100.0, 80.0}, {90.0, 400.0}, {700.0, 420.0}}};
+    const auto before = view.contours.front();
+    for (const Flip& one : kFlips) {
+        hull::SilhouetteView flipped = view;
+        flip_contours(flipped, one);
+        const bool is_mirror = one.is_x != one.is_y;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Eigen::Vector2d was = view.intrinsics.distort(before[i]);
+            const Eigen::Vector2d is =
+                view.intrinsics.distort(flipped.contours.front()[is_mirror ? 2 - i : i]);
+            EXPECT_NEAR(is.x(), one.is_x ? 799.0 - was.x() : was.x(), 1e-6);
+            EXPECT_NEAR(is.y(), one.is_y ? 599.0 - was.y() : was.y(), 1e-6);
+        }
+        flip_contours(flipped, one);
+        for (std::size_t i = 0; i < 3; ++i)
+            EXPECT_LT((flipped.contours.front()[i] - before[i]).norm(), 1e-6);
+    }
 }
 
 TEST(Diagnosis, FindsTheOneCameraThatMoved) {

@@ -84,17 +84,21 @@ std::string doubt_of_whole(const config::Rig& rig,
     return {};
 }
 
-void check_coverage(const config::Rig& rig, const Take& take, RigCheck& check) {
+// Returns whether a mistake explains it that no refinement mends, such as swapped cameras or
+// mirrored pictures. The rig and its poses are not to be judged then.
+bool check_coverage(const config::Rig& rig, const Take& take, RigCheck& check) {
     std::vector<std::size_t> all(take.sights.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     const double coverage = coverage_of(take, all, rig.cameras);
     check.told.push_back(
         fmt::format("coverage: the hull explains {:.1f} % of the silhouettes", 100.0 * coverage));
-    if (coverage >= rig_check::kPoorShare || take.views.empty()) return;
+    if (coverage >= rig_check::kPoorShare || take.views.empty()) return false;
     const auto diagnosis = rig_check::diagnose(take.views[take.views.size() / 2], {});
     check.problems.push_back(diagnosis ? diagnosis->text
                                        : "the silhouettes contradict each other at some instants: "
                                          "look at them with `site_node --preview`");
+    return diagnosis && diagnosis->cause != rig_check::Cause::kOneCamera &&
+           diagnosis->cause != rig_check::Cause::kUnknown;
 }
 
 }  // namespace
@@ -129,7 +133,7 @@ void check_silhouettes(const config::Rig& rig,
                         camera.num_tangencies,
                         coherence::kFits_px));
     }
-    check_coverage(rig, take, check);
+    if (check_coverage(rig, take, check)) return;
     const auto mend = [&](const std::string& option) {
         return fmt::format("`calibrate refine {} {}--recording {} -o mended.toml`",
                            rig_name,
