@@ -72,8 +72,9 @@ public:
         if (share_ >= kFineShare) return best_;
         try_misreadings();
         try_scales();
+        auto flipped = flipped_pictures();  // before the exchanges, which may use up the time
         if (!best_) try_exchanges();
-        try_flips();
+        if (flipped) weigh(std::move(*flipped));
         if (best_ || share_ >= kPoorShare) return best_;
         if (auto one = one_camera()) return one;
         return unknown();
@@ -238,29 +239,33 @@ private:
         return best;
     }
 
-    // A recording program that mirrors, as for a selfie, does so with all cameras. In a symmetric
-    // ring that is the same as cameras that are exchanged with those across a plane of symmetry:
-    // one pair is as likely as that, two pairs are not.
-    void try_flips() {
-        if (views_.size() < 3) return;  // two contradict too little
+    // A recording program that mirrors, as for a selfie, does so with all cameras.
+    std::optional<Diagnosis> flipped_pictures() const {
+        if (views_.size() < 3) return std::nullopt;  // two contradict too little
         // three cameras, one of which is off, may seem to be mirrored
         const double least = views_.size() == 3 ? kFineShare : kGoodShare;
         std::optional<Diagnosis> flipped;
         for (const Flip& flip : kFlips) {
-            if (!goes_on()) return;
+            if (!goes_on()) break;
             Views views = views_;
             for (auto& view : views) flip_contours(view, flip);
             const double share = share_of(views);
             if (share >= least && convinces(share) && (!flipped || share > flipped->share_if))
                 flipped = Diagnosis{flip.cause, text_of_all(flip), share_, share, {}};
         }
-        if (!flipped) return;
-        const double lead = flipped->share_if - (best_ ? best_->share_if : 0.0);
+        return flipped;
+    }
+
+    // In a symmetric ring flipped pictures of all cameras are the same as cameras that are
+    // exchanged with those across a plane of symmetry: one pair is as likely as that, two pairs
+    // are not.
+    void weigh(Diagnosis flipped) {
+        const double lead = flipped.share_if - (best_ ? best_->share_if : 0.0);
         const bool is_swap = best_ && best_->cause == Cause::kSwapped && lead >= -kAlike;
         if (!best_ || lead > kAlike || (is_swap && best_->cameras.size() > 2))
             best_ = std::move(flipped);
         else if (is_swap)
-            best_->text += "; if they are not, " + flipped->text;
+            best_->text += "; if they are not, " + flipped.text;
     }
 
     std::optional<Diagnosis> one_camera() const {
