@@ -18,7 +18,8 @@ namespace {
 
 constexpr auto kSightPeriod = std::chrono::milliseconds(500);
 constexpr auto kKeepPeriod = std::chrono::minutes(1);  // somebody may mend the camera meanwhile
-constexpr int kLeastPriority = 19;                     // of nice(2); on Linux per thread
+constexpr double kNotGood_px = coherence::kFits_px;
+constexpr int kLeastPriority = 19;  // of nice(2); on Linux per thread
 
 double thread_cpu_s() {
     timespec time{};
@@ -26,14 +27,18 @@ double thread_cpu_s() {
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// `camera`: empty: all.
+// `options`: empty, or with a space at the end.
 std::string command_that_refines(const std::string& rig,
-                                 const std::string& camera,
+                                 const std::string& options,
                                  const std::string& recording) {
-    return fmt::format("calibrate refine {} {}--recording {} -o mended.toml",
-                       rig,
-                       camera.empty() ? "" : fmt::format("--camera {} ", camera),
-                       recording);
+    return fmt::format(
+        "calibrate refine {} {}--recording {} -o mended.toml", rig, options, recording);
+}
+
+// A fault that `calibrate refine` mends.
+bool is_mendable(coherence::Verdict verdict) {
+    return verdict == coherence::Verdict::kMoved || verdict == coherence::Verdict::kIncoherent ||
+           verdict == coherence::Verdict::kLenses;
 }
 
 }  // namespace
@@ -117,8 +122,7 @@ void CoherenceWatcher::look(Look&& look) {
 void CoherenceWatcher::keep(const coherence::CoherenceWatch::Judgement& judgement,
                             Clock::time_point now) {
     if (!kept_.has_folder()) return;
-    const coherence::Verdict verdict = judgement.report.verdict;
-    if (verdict != coherence::Verdict::kMoved && verdict != coherence::Verdict::kIncoherent) {
+    if (!is_mendable(judgement.report.verdict)) {
         kept_at_.reset();
         return;
     }
@@ -129,8 +133,14 @@ void CoherenceWatcher::keep(const coherence::CoherenceWatch::Judgement& judgemen
     if (!written) app::log::warn("silhouettes_not_kept reason=\"{}\"", written.error().message);
 }
 
-std::string CoherenceWatcher::refine_command(const std::string& camera) const {
-    return command_that_refines(rig_name_, camera, is_kept_ ? kept_.folder().string() : "DIR");
+// What `refine` has to free for a fault.
+std::string CoherenceWatcher::options_of(const coherence::Report& report) const {
+    if (report.verdict == coherence::Verdict::kLenses) return "--focal ";
+    return report.fault ? fmt::format("--camera {} ", cameras_[report.fault->camera].name) : "";
+}
+
+std::string CoherenceWatcher::refine_command(const std::string& options) const {
+    return command_that_refines(rig_name_, options, is_kept_ ? kept_.folder().string() : "DIR");
 }
 
 bus::RigCoherence CoherenceWatcher::newest() const {
@@ -154,6 +164,18 @@ void CoherenceWatcher::tell(const coherence::CoherenceWatch::Judgement& judgemen
 std::string CoherenceWatcher::text_of(const coherence::Report& report) const {
     const char* const walk = is_kept_ ? "let somebody walk through the room for a minute and a half"
                                       : "record a person who walks through the room";
+    const std::string mend = refine_command(options_of(report));
+    if (report.lenses)
+        return fmt::format(
+            "other_lenses factor={:.2f} coherence_px={:.2f} reason=\"{}, or {}, and mend the rig "
+            "with `{}`\"",
+            report.lenses->factor,
+            report.rms_px,
+            coherence::other_lenses_text(report.lenses->before_px,
+                                         report.lenses->after_px,
+                                         coherence::lenses_text(report.lenses->factor)),
+            walk,
+            mend);
     if (!report.fault)
         return fmt::format(
             "rig_incoherent coherence_px={:.2f} reason=\"the silhouettes contradict the rig, and "
@@ -163,7 +185,7 @@ std::string CoherenceWatcher::text_of(const coherence::Report& report) const {
             "mend cameras that are off by up to 1 degree and 3 cm with `{}`, or calibrate again\"",
             report.rms_px,
             walk,
-            refine_command(""));
+            mend);
     const coherence::NamedFault& fault = *report.fault;
     const std::string& name = cameras_[fault.camera].name;
     if (report.verdict == coherence::Verdict::kLate)
@@ -180,13 +202,13 @@ std::string CoherenceWatcher::text_of(const coherence::Report& report) const {
         name,
         coherence::motion_text(fault),
         walk,
-        refine_command(name));
+        mend);
 }
 
 bus::RigCoherence CoherenceWatcher::status_of(const coherence::Report& report) const {
     bus::RigCoherence out;
-    static_assert(static_cast<int>(bus::RigVerdict::kIncoherent) ==
-                  static_cast<int>(coherence::Verdict::kIncoherent));
+    static_assert(static_cast<int>(bus::RigVerdict::kLenses) ==
+                  static_cast<int>(coherence::Verdict::kLenses));
     out.verdict = static_cast<bus::RigVerdict>(report.verdict);
     out.rms_px = report.rms_px;
     out.num_instants = static_cast<std::uint32_t>(report.num_sights);
@@ -213,20 +235,23 @@ bus::RigCoherence CoherenceWatcher::status_of(const coherence::Report& report) c
 
 std::string CoherenceWatcher::cure_of(const coherence::Report& report) const {
     if (report.verdict == coherence::Verdict::kLate) return coherence::late_cure(*report.fault);
-    if (report.verdict != coherence::Verdict::kMoved &&
-        report.verdict != coherence::Verdict::kIncoherent)
-        return {};
-    const std::string camera = report.fault ? cameras_[report.fault->camera].name : "";
-    const std::string cure = refine_command(camera);
+    if (!is_mendable(report.verdict)) return {};
+    const std::string options = options_of(report);
+    const std::string cure = refine_command(options);
     // a path that no line of the status may hold
-    return bus::is_valid_line(cure) ? cure : command_that_refines("RIG.toml", camera, "DIR");
+    return bus::is_valid_line(cure) ? cure : command_that_refines("RIG.toml", options, "DIR");
 }
 
 void CoherenceWatcher::finish() {
     if (!thread_.joinable()) return;
     thread_.request_stop();
     thread_.join();
-    const coherence::Report report = watch_.judge();
+    const coherence::CoherenceWatch::Judgement last = watch_.finish();
+    const coherence::Report& report = last.report;
+    doubts_rig_ = report.verdict > coherence::Verdict::kCoherent ||
+                  (report.verdict == coherence::Verdict::kCoherent && report.rms_px > kNotGood_px);
+    if (last.is_told) keep(last, due_);
+    tell(last);
     if (report.verdict == coherence::Verdict::kTooLittle) return;
     std::size_t worst = 0;
     for (std::size_t i = 0; i < report.cameras.size(); ++i)

@@ -48,6 +48,8 @@ public:
 
     /// Ends the thread and logs the summary. Later calls do nothing.
     void finish();
+    /// True if the silhouettes showed at last that the rig is not true. Call `finish` before.
+    bool doubts_rig() const { return doubts_rig_; }
 
 private:
     struct Look {
@@ -57,11 +59,12 @@ private:
     void run(std::stop_token stop);
     void look(Look&& look);
     void keep(const coherence::CoherenceWatch::Judgement& judgement, Clock::time_point now);
-    std::string refine_command(const std::string& camera) const;
+    std::string refine_command(const std::string& options) const;
     std::vector<coherence::SilhouetteHull> hulls_of(
         const std::vector<views::NamedView>& views) const;
     void tell(const coherence::CoherenceWatch::Judgement& judgement) const;
     std::string text_of(const coherence::Report& report) const;
+    std::string options_of(const coherence::Report& report) const;
     bus::RigCoherence status_of(const coherence::Report& report) const;
     std::string cure_of(const coherence::Report& report) const;
 
@@ -78,6 +81,7 @@ private:
     KeptSilhouettes kept_;
     std::optional<Clock::time_point> kept_at_;  // written, of the fault that holds
     bool is_kept_ = false;                      // the last writing succeeded
+    bool doubts_rig_ = false;
     double cpu_s_ = 0.0;
     LatestSlot<Look> slot_;
     std::atomic<bool> is_looking_ = false;  // at what was put last

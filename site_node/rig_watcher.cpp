@@ -53,13 +53,13 @@ void RigWatcher::judge(const rig_check::Look& look, const std::stop_token& stop)
     for (const std::string& line : lines) app::log::warn("{}", line);
 }
 
-void RigWatcher::finish() {
+void RigWatcher::finish(bool is_rig_in_doubt) {
     if (!thread_.joinable()) return;
     thread_.request_stop();
     thread_.join();
     if (const auto last = slot_.try_take()) judge(*last, {});
     for (const std::string& line : watch_.finish()) app::log::warn("{}", line);
-    if (const std::string line = watch_.summary(); !line.empty()) app::log::info("{}", line);
+    if (const std::string line = watch_.summary(is_rig_in_doubt); !line.empty()) app::log::info("{}", line);
 }
 
 }  // namespace atrium::site_node

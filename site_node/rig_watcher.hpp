@@ -27,7 +27,8 @@ public:
     void put(rig_check::Look look) { slot_.put(std::move(look)); }
 
     /// Ends the thread, judges the last look, and logs the summary. Later calls do nothing.
-    void finish();
+    /// `is_rig_in_doubt`: for other reasons than its own.
+    void finish(bool is_rig_in_doubt = false);
     /// The reason of the last finding that was logged; empty without any. Call `finish` before.
     const std::string& last_reason() const { return watch_.last_reason(); }
 

@@ -65,8 +65,8 @@ Expected<void> SiteNode::run(std::stop_token stop) {
         if (source_->is_live() || has_faults(counters))
             app::log::info("camera {}", to_line(counters));
     }
-    rig_watcher_.finish();
     coherence_watcher_.finish();
+    rig_watcher_.finish(coherence_watcher_.doubts_rig());
     if (auto done = run_control_->result(); !done) return done;
     return explain_no_output(total, stop.stop_requested());
 }

@@ -67,7 +67,7 @@ void fields(auto& v, Of<RigFault> auto& m, auto& w) {
 }
 
 void fields(auto& v, Of<RigCoherence> auto& m, auto& w) {
-    v("SiteStatus.coherence.verdict", m.verdict, w.verdict, Last{RigVerdict::kIncoherent});
+    v("SiteStatus.coherence.verdict", m.verdict, w.verdict, Last{RigVerdict::kLenses});
     v("SiteStatus.coherence.rms_px", m.rms_px, w.rms_px, kStatistic);
     v(m.num_instants, w.num_instants);
     v("SiteStatus.coherence.cameras", m.cameras, w.cameras, AtMost{kMaxCamerasPerSite});

@@ -91,7 +91,7 @@ struct RigFault {
     bool operator==(const RigFault&) const = default;
 };
 
-enum class RigVerdict : std::uint8_t { kUnknown, kCoherent, kMoved, kLate, kIncoherent };
+enum class RigVerdict : std::uint8_t { kUnknown, kCoherent, kMoved, kLate, kIncoherent, kLenses };
 
 /// Whether silhouettes show that a site's cameras are where its rig says.
 struct RigCoherence {
@@ -99,7 +99,7 @@ struct RigCoherence {
     double rms_px = 0.0;                   // of all tangencies, robust
     std::uint32_t num_instants = 0;        // that were judged
     std::vector<CameraCoherence> cameras;  // in the order of SiteDescription; empty: not judged yet
-    RigFault fault;                        // if `has_fault`; of kIncoherent, its `cure`
+    RigFault fault;                        // if `has_fault`; else of kIncoherent and kLenses, `cure`
 
     bool has_fault() const { return verdict == RigVerdict::kMoved || verdict == RigVerdict::kLate; }
     bool operator==(const RigCoherence&) const = default;

@@ -111,6 +111,12 @@ Figures figures_of(const bus::SiteStatus& status) {
             {fmt::format("the silhouettes contradict the rig by {:.1f} px", rig.rms_px),
              "calibrate refine",
              rig.fault.cure});
+    if (rig.verdict == bus::RigVerdict::kLenses)
+        figures.alarms.push_back(
+            {"the cameras have other lenses than the rig says (zoom, crop, "
+             "stabilisation)",
+             "calibrate refine --focal",
+             rig.fault.cure});
     return figures;
 }
 
@@ -171,7 +177,8 @@ std::string rate_text(double rate, const std::string& unit) {
 }
 
 const char* name_of(bus::RigVerdict verdict) {
-    constexpr const char* kNames[] = {"unknown", "coherent", "moved", "late", "incoherent"};
+    constexpr const char* kNames[] = {
+        "unknown", "coherent", "moved", "late", "incoherent", "lenses"};
     return kNames[std::min<std::size_t>(static_cast<std::size_t>(verdict), std::size(kNames) - 1)];
 }
 

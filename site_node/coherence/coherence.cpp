@@ -212,7 +212,7 @@ bool Coherence::add(const Sight& sight) {
     std::vector<Tangency> found;
     find_tangencies(cameras_, sight, 0, {}, found);
     if (found.empty()) return false;
-    window_.push_back(std::move(found));
+    window_.push_back({std::move(found), {sight.now, {}}});
     if (window_.size() > most_sights_) window_.pop_front();
     return true;
 }
@@ -220,14 +220,20 @@ bool Coherence::add(const Sight& sight) {
 Report Coherence::judge() const {
     std::vector<Tangency> all;
     std::uint32_t number = 0;
-    for (const auto& sight : window_) {
-        for (Tangency t : sight) {
+    for (const Instant& instant : window_) {
+        for (Tangency t : instant.tangencies) {
             t.sight = number;
             all.push_back(t);
         }
         ++number;
     }
     return Judge(cameras_, all, number).run();
+}
+
+std::optional<OtherLenses> Coherence::other_lenses() const {
+    std::vector<Sight> sights;
+    for (const Instant& instant : window_) sights.push_back(instant.sight);
+    return find_other_lenses(cameras_, sights);
 }
 
 }  // namespace atrium::coherence

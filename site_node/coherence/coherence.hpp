@@ -1,6 +1,7 @@
 #pragma once
 
 #include "site_node/coherence/camera_fit.hpp"
+#include "site_node/coherence/other_lenses.hpp"
 #include "site_node/coherence/tangency.hpp"
 
 #include <cstddef>
@@ -17,6 +18,7 @@ enum class Verdict : std::uint8_t {
     kMoved,       // one camera was moved since the calibration
     kLate,        // one camera's pictures are of another instant
     kIncoherent,  // the silhouettes contradict the rig, but no single camera explains it
+    kLenses,      // they do, and one factor of all focal lengths explains it (CoherenceWatch)
 };
 
 /// How far one camera agrees with the others.
@@ -44,7 +46,8 @@ struct Report {
     std::size_t num_sights = 0;
     double rms_px = 0.0;  // robust, of all tangencies
     std::vector<CameraCoherence> cameras;
-    std::optional<NamedFault> fault;  // of kMoved and kLate
+    std::optional<NamedFault> fault;    // of kMoved and kLate
+    std::optional<OtherLenses> lenses;  // of kLenses
 };
 
 inline constexpr double kFits_px = 2.0;
@@ -64,6 +67,8 @@ public:
     void clear();
 
     Report judge() const;
+    /// Tries whether other lenses explain the errors of the window (find_other_lenses): slow.
+    std::optional<OtherLenses> other_lenses() const;
 
     static constexpr std::size_t kWindow = 48;
     static constexpr std::size_t kLeastSights = 18;
@@ -71,11 +76,15 @@ public:
     static constexpr double kLeastEffect_px = 0.7;
 
 private:
+    struct Instant {
+        std::vector<Tangency> tangencies;
+        Sight sight;  // without the instant before
+    };
     bool has_moved(const Sight& sight);
 
     std::vector<geometry::CalibratedCamera> cameras_;
     std::size_t most_sights_;
-    std::deque<std::vector<Tangency>> window_;
+    std::deque<Instant> window_;
     std::vector<Eigen::Vector2d> last_middles_px_;
 };
 

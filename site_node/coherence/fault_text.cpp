@@ -31,4 +31,17 @@ std::string late_text(const NamedFault& fault, const std::string& camera, double
         late_cure(fault));
 }
 
+std::string lenses_text(double factor) {
+    return fmt::format("lenses {:.2f} times as long as the rig says", factor);
+}
+
+std::string other_lenses_text(double before_px, double after_px, const std::string& with) {
+    return fmt::format(
+        "these are other lenses than those of the calibration: silhouettes differ by {:.2f} px, by "
+        "{:.2f} px with {}: zoom, focus, a crop or stabilisation: film and calibrate alike",
+        before_px,
+        after_px,
+        with);
+}
+
 }  // namespace atrium::coherence

@@ -340,7 +340,7 @@ std::vector<std::string> RigWatch::finish() {
     return lines;
 }
 
-std::string RigWatch::summary() const {
+std::string RigWatch::summary(bool is_rig_in_doubt) const {
     std::size_t rays = 0;
     std::size_t counted = 0;
     std::size_t explained = 0;
@@ -365,9 +365,9 @@ std::string RigWatch::summary() const {
         "silhouettes looks={} explained={:.2f} fit={} worst={}:{:.2f} cut={:.2f}{}{}",
         num_looks_,
         share,
-        share >= kFineShare   ? "good"
-        : share >= kPoorShare ? "fair"
-                              : "poor",
+        share >= kFineShare && !is_rig_in_doubt ? "good"
+        : share >= kPoorShare                   ? "fair"
+                                                : "poor",
         worst,
         worst_share,
         static_cast<double>(rays - counted) / static_cast<double>(rays),

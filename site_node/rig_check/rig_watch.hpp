@@ -47,10 +47,11 @@ public:
     std::vector<std::string> finish();
 
     /// "silhouettes looks=12 explained=0.96 fit=good worst=cam3:0.91 cut=0.00 height_m=1.78"; empty
-    /// if nobody was seen. `fit`: good from kFineShare on, fair from kPoorShare on, else poor.
+    /// if nobody was seen. `fit`: good from kFineShare on, fair from kPoorShare on, else poor; not
+    /// good if the rig is in doubt otherwise.
     /// `cut`: the share of the silhouettes that bounds or the borders of pictures cut. `height_m`:
     /// the median height of people; missing if none was seen from the feet up.
-    std::string summary() const;
+    std::string summary(bool is_rig_in_doubt = false) const;
 
     /// The reason of the last line that `look` or `finish` returned, if it may explain a hull that
     /// is always empty; empty without any.

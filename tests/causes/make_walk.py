@@ -2,7 +2,8 @@
 """Writes a recording of a person of balls who walks through a room of six cameras, with silhouettes, for the rows of
 calibrate_refine.toml. rig.toml is what a calibration said before cameras moved.
 
-    make_walk.py FOLDER [--frames N] [--stand] [--turn CAMERA DEGREES] [--turn-all DEGREES] [--late CAMERA] [--flip CAMERA|all hflip|vflip]
+    make_walk.py FOLDER [--frames N] [--stand] [--turn CAMERA DEGREES] [--turn-all DEGREES] [--late CAMERA]
+              [--flip CAMERA|all hflip|vflip] [--zoom FACTOR]
 """
 
 import argparse
@@ -37,21 +38,21 @@ def pose(index, turn_rad=0.0):
     return rows, [-sum(r[k] * centre[k] for k in range(3)) for r in rows]
 
 
-def silhouette(balls, rows, translation):
+def silhouette(balls, rows, translation, focal_px):
     """A pixel is inside a ball if its ray comes as near to the centre: (ray . c)^2 >= |ray|^2 (|c|^2 - r^2)."""
     picture = [bytearray(WIDTH) for _ in range(HEIGHT)]
     for centre, radius in balls:
         x, y, z = (sum(r[k] * centre[k] for k in range(3)) + t for r, t in zip(rows, translation))
         k = x * x + y * y + z * z - radius * radius
         for row in range(HEIGHT):
-            v = (row - (HEIGHT - 1) / 2) / FOCAL_PX
+            v = (row - (HEIGHT - 1) / 2) / focal_px
             a, b, c = x * x - k, x * (y * v + z), (y * v + z) ** 2 - (v * v + 1.0) * k
             if b * b < a * c:
                 continue
             root = math.sqrt(b * b - a * c)
             left, right = sorted(((-b + root) / a, (-b - root) / a))
-            first = max(0, math.ceil(left * FOCAL_PX + (WIDTH - 1) / 2))
-            last = min(WIDTH - 1, math.floor(right * FOCAL_PX + (WIDTH - 1) / 2))
+            first = max(0, math.ceil(left * focal_px + (WIDTH - 1) / 2))
+            last = min(WIDTH - 1, math.floor(right * focal_px + (WIDTH - 1) / 2))
             picture[row][first:last + 1] = b"\xff" * max(0, last + 1 - first)
     return picture
 
@@ -72,6 +73,7 @@ def main():
     parser.add_argument("--turn-all", type=float, default=0.0)
     parser.add_argument("--late", default="")
     parser.add_argument("--flip", nargs=2, default=["", ""])
+    parser.add_argument("--zoom", type=float, default=1.0)
     options = parser.parse_args()
     make_recording.WIDTH, make_recording.HEIGHT = WIDTH, HEIGHT
     os.makedirs(options.folder)
@@ -92,7 +94,8 @@ def main():
                 instant = 0 if options.stand else number - (1 if name == options.late else 0)
                 file = f"{number:06d}.png"
                 os.link(grey, os.path.join(options.folder, name, "frames", file))
-                mask = flipped(silhouette(balls_at(FRAME_S * instant), rows, translation), name, options.flip)
+                mask = silhouette(balls_at(FRAME_S * instant), rows, translation, FOCAL_PX * options.zoom)
+                mask = flipped(mask, name, options.flip)
                 make_recording.write_png(os.path.join(options.folder, name, "silhouettes", file), mask, 1)
 
 

@@ -21,7 +21,7 @@ std::string broken_by_process(const ProcessorUse& use, double first_output_s) {
 }
 
 std::string broken_by_coherence(const bus::RigCoherence& coherence) {
-    if (coherence.verdict > bus::RigVerdict::kIncoherent) return "a verdict";
+    if (coherence.verdict > bus::RigVerdict::kLenses) return "a verdict";
     if (coherence.cameras.size() > bus::kMaxCamerasPerSite) return "too many cameras of a rig";
     for (const bus::CameraCoherence& camera : coherence.cameras) {
         if (camera.rms_px < 0.0 || camera.share < 0.0 || camera.share > 1.0) return "a camera";

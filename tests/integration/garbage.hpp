@@ -248,7 +248,7 @@ private:
     }
     void fill(atrium_RigCoherence& w) {
         name(w.fault.cure);
-        if (chance(70)) w.verdict = static_cast<std::uint8_t>(below(5));
+        if (chance(70)) w.verdict = static_cast<std::uint8_t>(below(6));
         w.cameras = {};
         auto* cameras = elements(w.cameras, below(6));
         for (std::uint32_t i = 0; i < w.cameras._length; ++i) {

@@ -340,7 +340,7 @@ TEST(FromWire, RefusesAFaultOfACameraThatTheRigLacks) {
         status,
         {{"coherence.fault.camera", [](auto& w) { w.coherence.fault.camera = 1; }},
          {"coherence.fault.camera", [](auto& w) { w.coherence.cameras._length = 0; }},
-         {"coherence.verdict", [](auto& w) { w.coherence.verdict = 5; }},
+         {"coherence.verdict", [](auto& w) { w.coherence.verdict = 6; }},
          {"coherence.fault.cure",
           [](auto& w) { spoil_text(w.coherence.fault.cure, "a\033[2J"); }}});
     status.coherence.fault.camera = 7;

@@ -21,6 +21,7 @@ namespace {
 
 using testing::AllOf;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -213,6 +214,28 @@ TEST(CheckSilhouettes, NamesALensThatAllCamerasHaveInsteadOfTheirs) {
     const RigCheck good = check_of(truth, film(2, truth));
     EXPECT_THAT(good.problems, Not(Contains(HasSubstr("lenses"))));
     EXPECT_THAT(good.checks, IsEmpty());
+}
+
+// Refined poses would hide that.
+TEST(CheckSilhouettes, NamesSwappedCamerasAlone) {
+    config::Rig rig;
+    rig.cameras = true_rig();
+    Take take;
+    take.sights = film(2, rig.cameras);
+    for (coherence::Sight& sight : take.sights) {
+        std::swap(sight.now[1], sight.now[4]);
+        auto& views = take.views.emplace_back();
+        for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+            const geometry::CalibratedCamera& camera = rig.cameras[c];
+            const hull::SilhouetteView view{
+                camera.intrinsics, camera.camera_from_site, {sight.now[c].points}, {}};
+            views.push_back({camera.name, view});
+        }
+    }
+    RigCheck check;
+    check_silhouettes(rig, take, "rig.toml", "walk", check);
+    EXPECT_THAT(check.problems, ElementsAre(HasSubstr("cam1 and cam4 look swapped")));
+    EXPECT_THAT(check.checks, IsEmpty());
 }
 
 // Every camera began a little later than the one before: 0 to 0.35 s.

@@ -46,6 +46,7 @@ TEST(RigWatch, IsSilentAboutAGoodSite) {
     EXPECT_EQ(run.watch.num_good_looks(), 30u);
     EXPECT_THAT(run.watch.finish(), IsEmpty());
     EXPECT_THAT(run.watch.summary(), HasSubstr("silhouettes looks=30 explained=0.99 fit=good"));
+    EXPECT_THAT(run.watch.summary(true), HasSubstr("silhouettes looks=30 explained=0.99 fit=fair"));
 }
 
 TEST(RigWatch, IsSilentAboutAnEmptyRoom) {

@@ -130,6 +130,7 @@ TEST(CoherenceWatcher, HasACameraThatTurnedInTheStatusUntilItIsBack) {
     EXPECT_TRUE(is_sendable(back));
     for (int i = 0; i < 24; ++i) walk.look();
     walk.watcher().finish();
+    EXPECT_FALSE(walk.watcher().doubts_rig());
     const std::string log = testing::internal::GetCapturedStderr();
     EXPECT_EQ(num_of("camera_moved camera=cam5 ", log), 1u) << log;
     EXPECT_EQ(num_of("camera_coherent camera=cam5 ", log), 1u) << log;
@@ -221,6 +222,32 @@ TEST_F(KeptWalk, MendsAllCamerasIfNoneIsToBlame) {
     }
     const std::string log = testing::internal::GetCapturedStderr();
     EXPECT_EQ(num_of("rig_incoherent coherence_px=", log), 1u) << log;
+    EXPECT_GT(kept_ids(folder_).size(), 36u);
+}
+
+TEST_F(KeptWalk, NamesOtherLensesWithTheCommandThatMendsThem) {
+    testing::internal::CaptureStderr();
+    {
+        WatchedWalk walk(watched_rig(), "lab.toml", folder_);
+        for (geometry::CalibratedCamera& camera : walk.filming().truth) {
+            camera.intrinsics.fx *= 1.1;
+            camera.intrinsics.fy *= 1.1;
+        }
+        for (int i = 0; i < 60; ++i) walk.look();
+        const bus::RigCoherence newest = walk.watcher().newest();
+        EXPECT_EQ(newest.verdict, bus::RigVerdict::kLenses);
+        EXPECT_TRUE(is_sendable(newest));
+        EXPECT_EQ(newest.fault.cure,
+                  "calibrate refine lab.toml --focal --recording " + folder_.string() +
+                      " -o mended.toml");
+        walk.watcher().finish();
+        EXPECT_TRUE(walk.watcher().doubts_rig());
+    }
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(num_of("other_lenses factor=1.10 coherence_px=", log), 1u) << log;
+    EXPECT_EQ(num_of("lenses 1.10 times as long as the rig says", log), 1u) << log;
+    EXPECT_EQ(num_of("let somebody walk through the room", log), 1u) << log;
+    EXPECT_EQ(num_of("rig_incoherent", log), 0u) << log;
     EXPECT_GT(kept_ids(folder_).size(), 36u);
 }
 

@@ -51,6 +51,18 @@ TEST(Figures, AlarmOfARigThatNoCameraExplains) {
     EXPECT_EQ(figures.alarms[0].cure, "calibrate refine lab.toml");
 }
 
+TEST(Figures, AlarmOfOtherLenses) {
+    bus::SiteStatus status = judged_site(bus::RigVerdict::kLenses);
+    status.coherence.fault = {.cure = "calibrate refine lab.toml --focal"};
+    const Figures figures = figures_of(status);
+    ASSERT_EQ(figures.alarms.size(), 1u);
+    EXPECT_EQ(figures.alarms[0].what,
+              "the cameras have other lenses than the rig says (zoom, crop, stabilisation)");
+    EXPECT_EQ(figures.alarms[0].advice, "calibrate refine --focal");
+    EXPECT_EQ(figures.alarms[0].cure, "calibrate refine lab.toml --focal");
+    EXPECT_EQ(rig_items(status.coherence).front(), "lenses");
+}
+
 TEST(Figures, NoAlarmOfARigThatIsTrueOrUnknown) {
     for (const auto verdict : {bus::RigVerdict::kUnknown, bus::RigVerdict::kCoherent})
         EXPECT_THAT(figures_of(judged_site(verdict)).alarms, IsEmpty());

@@ -22,12 +22,10 @@ namespace {
 
 using coherence::Verdict;
 
-// A rig is no longer true as a whole if a refinement would halve errors of this size.
-constexpr double kDoubtful_px = 0.8;
+// A rig is no longer true as a whole if a refinement would halve its errors.
 constexpr double kMuchBetter = 0.5;
 constexpr double kGoodCoherence_px = 1.0;
-constexpr double kOneFactor = 0.02;     // lenses that differ by less from their median have it
-constexpr double kOtherFactor = 0.015;  // and it is not 1
+constexpr double kOneFactor = 0.02;  // lenses that differ by less from their median have it
 
 // What other poses, or other lenses as well, make of the errors of held-out instants.
 std::optional<Refined> refined_with(const config::Rig& rig, const Take& take, bool has_free_focal) {
@@ -47,31 +45,36 @@ std::string factor_text(const config::Rig& rig, const Refined& refined) {
     const auto is_other = [&](double factor) {
         return std::abs(factor / middle - 1.0) > kOneFactor;
     };
-    if (std::abs(middle - 1.0) < kOtherFactor || std::ranges::any_of(factors, is_other))
+    if (std::abs(middle - 1.0) < coherence::kOtherFactor || std::ranges::any_of(factors, is_other))
         return "other focal lengths than the rig says";
-    return fmt::format("lenses {:.2f} times as long as the rig says", middle);
+    return coherence::lenses_text(middle);
 }
 
 // Whether other cameras explain the silhouettes of held-out instants much better, with the command
-// that finds them. `mend(options)` makes it.
+// that finds them. `lenses`: one factor that explains them alone. `mend(options)` makes the
+// command.
 template <typename Mend>
 std::string doubt_of_whole(const config::Rig& rig,
                            const Take& take,
                            const coherence::Report& report,
+                           const std::optional<coherence::OtherLenses>& lenses,
                            const Mend& mend) {
-    if (report.rms_px < kDoubtful_px) return {};
+    if (report.rms_px < coherence::kDoubtful_px) return {};
     const auto moved = refined_with(rig, take, false);
     const auto other = refined_with(rig, take, true);
     const double moved_px = moved ? moved->after.held_out : report.rms_px;
     // poses make up for a part of what lenses do
     if (other && other->after.held_out <= kMuchBetter * std::min(moved_px, other->before.held_out))
         return fmt::format(
-            "these are other lenses than those of the calibration: silhouettes differ by {:.2f} "
-            "px, by {:.2f} px with {}: zoom, focus, a crop or stabilisation: film and calibrate "
-            "alike, or mend the rig with {}",
-            other->before.held_out,
-            other->after.held_out,
-            factor_text(rig, *other),
+            "{}, or mend the rig with {}",
+            coherence::other_lenses_text(
+                other->before.held_out, other->after.held_out, factor_text(rig, *other)),
+            mend("--focal "));
+    if (lenses)
+        return fmt::format(
+            "{}, or mend the rig with {}",
+            coherence::other_lenses_text(
+                lenses->before_px, lenses->after_px, coherence::lenses_text(lenses->factor)),
             mend("--focal "));
     if (moved && moved_px <= kMuchBetter * moved->before.held_out)
         return fmt::format(
@@ -84,21 +87,20 @@ std::string doubt_of_whole(const config::Rig& rig,
     return {};
 }
 
-// Returns whether a mistake explains it that no refinement mends, such as swapped cameras or
-// mirrored pictures. The rig and its poses are not to be judged then.
-bool check_coverage(const config::Rig& rig, const Take& take, RigCheck& check) {
+// Returns the cause of silhouettes that contradict each other; kUnknown without one.
+rig_check::Cause check_coverage(const config::Rig& rig, const Take& take, RigCheck& check) {
+    using rig_check::Cause;
     std::vector<std::size_t> all(take.sights.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     const double coverage = coverage_of(take, all, rig.cameras);
     check.told.push_back(
         fmt::format("coverage: the hull explains {:.1f} % of the silhouettes", 100.0 * coverage));
-    if (coverage >= rig_check::kPoorShare || take.views.empty()) return false;
+    if (coverage >= rig_check::kPoorShare || take.views.empty()) return Cause::kUnknown;
     const auto diagnosis = rig_check::diagnose(take.views[take.views.size() / 2], {});
     check.problems.push_back(diagnosis ? diagnosis->text
                                        : "the silhouettes contradict each other at some instants: "
                                          "look at them with `site_node --preview`");
-    return diagnosis && diagnosis->cause != rig_check::Cause::kOneCamera &&
-           diagnosis->cause != rig_check::Cause::kUnknown;
+    return diagnosis ? diagnosis->cause : Cause::kUnknown;
 }
 
 }  // namespace
@@ -133,18 +135,30 @@ void check_silhouettes(const config::Rig& rig,
                         camera.num_tangencies,
                         coherence::kFits_px));
     }
-    if (check_coverage(rig, take, check)) return;
+    const rig_check::Cause cause = check_coverage(rig, take, check);
+    const bool blames_one = cause == rig_check::Cause::kOneCamera;
+    // no refined pose mends swapped cameras or mirrored pictures; it would hide them
+    if (cause != rig_check::Cause::kUnknown && !blames_one) return;
     const auto mend = [&](const std::string& option) {
         return fmt::format("`calibrate refine {} {}--recording {} -o mended.toml`",
                            rig_name,
                            option,
                            recording_name);
     };
+    const bool may_be_all =
+        report.verdict == Verdict::kCoherent || report.verdict == Verdict::kIncoherent;
+    if (may_be_all && blames_one) return;
+    const auto lenses = may_be_all ? coherence.other_lenses() : std::nullopt;
+    if (report.verdict == Verdict::kCoherent || lenses) {
+        if (std::string doubt = doubt_of_whole(rig, take, report, lenses, mend); !doubt.empty()) {
+            check.problems.push_back(std::move(doubt));
+            return;
+        }
+    }
     switch (report.verdict) {
+        case Verdict::kLenses:  // only of a site that watches
         case Verdict::kCoherent:
-            if (std::string doubt = doubt_of_whole(rig, take, report, mend); !doubt.empty())
-                check.problems.push_back(std::move(doubt));
-            else if (report.rms_px > kGoodCoherence_px)
+            if (report.rms_px > kGoodCoherence_px)
                 check.checks.push_back(fmt::format(
                     "silhouettes differ by {:.2f} px, where a true rig gives less than {:.0f}, and "
                     "neither poses nor lenses explain it: are they good (`site_node --preview`), "
