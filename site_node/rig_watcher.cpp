@@ -6,7 +6,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <optional>
+#include <utility>
 
 namespace atrium::site_node {
 namespace {
@@ -16,6 +18,18 @@ constexpr auto kRarePeriod = std::chrono::seconds(5);
 constexpr std::size_t kWell = 20;  // good looks until they become rare
 constexpr auto kLastDiagnosis = std::chrono::seconds(3);
 constexpr int kLowestPriority = 19;  // of nice(2); on Linux per thread
+
+// A reason as a line of a status: printable ASCII of limited length.
+std::string line_of(std::string reason) {
+    constexpr std::size_t kMost = 255;
+    constexpr const char* kMore = "...";
+    for (char& c : reason)
+        if (c < ' ' || c > '~') c = '?';
+    if (reason.size() <= kMost) return reason;
+    const std::size_t end = reason.rfind(' ', kMost - std::strlen(kMore));
+    reason.resize(end == std::string::npos ? kMost - std::strlen(kMore) : end);
+    return reason + kMore;
+}
 
 }  // namespace
 
@@ -51,6 +65,14 @@ void RigWatcher::judge(const rig_check::Look& look, const std::stop_token& stop)
     const auto lines = watch_.look(look, Clock::now(), goes_on);
     is_well_ = watch_.num_good_looks() >= kWell;
     for (const std::string& line : lines) app::log::warn("{}", line);
+    std::string line = line_of(watch_.standing_reason());
+    const std::lock_guard lock(finding_mutex_);
+    finding_ = std::move(line);
+}
+
+std::string RigWatcher::finding() const {
+    const std::lock_guard lock(finding_mutex_);
+    return finding_;
 }
 
 void RigWatcher::finish(bool is_rig_in_doubt) {
@@ -59,7 +81,8 @@ void RigWatcher::finish(bool is_rig_in_doubt) {
     thread_.join();
     if (const auto last = slot_.try_take()) judge(*last, {});
     for (const std::string& line : watch_.finish()) app::log::warn("{}", line);
-    if (const std::string line = watch_.summary(is_rig_in_doubt); !line.empty()) app::log::info("{}", line);
+    if (const std::string line = watch_.summary(is_rig_in_doubt); !line.empty())
+        app::log::info("{}", line);
 }
 
 }  // namespace atrium::site_node

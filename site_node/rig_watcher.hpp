@@ -26,6 +26,10 @@ public:
     /// Hands over what it wants; newest wins.
     void put(rig_check::Look look) { slot_.put(std::move(look)); }
 
+    /// What is wrong with the rig or the pictures, as a line of a status; empty without a finding
+    /// that holds. Any thread.
+    std::string finding() const;
+
     /// Ends the thread, judges the last look, and logs the summary. Later calls do nothing.
     /// `is_rig_in_doubt`: for other reasons than its own.
     void finish(bool is_rig_in_doubt = false);
@@ -40,7 +44,9 @@ private:
     LatestSlot<rig_check::Look> slot_;
     Clock::time_point due_{};
     std::atomic<bool> is_well_ = false;  // the last looks found nothing to doubt
-    std::jthread thread_;                // last: uses the members above
+    mutable std::mutex finding_mutex_;
+    std::string finding_;
+    std::jthread thread_;  // last: uses the members above
 };
 
 }  // namespace atrium::site_node

@@ -105,6 +105,7 @@ bus::SiteStatus SiteNode::status() const {
     stage_times_.put_into(status);
     status.first_output_s = first_output_s_;
     status.coherence = coherence_watcher_.newest();
+    status.finding = rig_watcher_.finding();
     const std::lock_guard lock(processor_mutex_);
     status.processor = processor_;
     return status;

@@ -112,6 +112,7 @@ void fields(auto& v, Of<SiteStatus> auto& m, auto& w) {
     v.part(m.processor, w.processor);
     v("first_output_s", m.first_output_s, w.first_output_s, kStatistic);
     v.part(m.coherence, w.coherence);
+    v("SiteStatus.finding", m.finding, w.finding, Text::kLine);
 }
 
 void fields(auto& v, Of<WorldStatus> auto& m, auto& w) {

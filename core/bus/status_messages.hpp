@@ -99,7 +99,7 @@ struct RigCoherence {
     double rms_px = 0.0;                   // of all tangencies, robust
     std::uint32_t num_instants = 0;        // that were judged
     std::vector<CameraCoherence> cameras;  // in the order of SiteDescription; empty: not judged yet
-    RigFault fault;                        // if `has_fault`; else of kIncoherent and kLenses, `cure`
+    RigFault fault;  // if `has_fault`; else of kIncoherent and kLenses, `cure`
 
     bool has_fault() const { return verdict == RigVerdict::kMoved || verdict == RigVerdict::kLate; }
     bool operator==(const RigCoherence&) const = default;
@@ -129,6 +129,7 @@ struct SiteStatus {
     ProcessorUse processor;
     double first_output_s = 0.0;  // from process start to the first metaframe; 0: none yet
     RigCoherence coherence;
+    std::string finding;  // printable: what silhouettes show to be wrong, with its cure; or empty
 };
 
 /// The state of a world server. 1 Hz. Counters start with the program.

@@ -117,6 +117,11 @@ Figures figures_of(const bus::SiteStatus& status) {
              "stabilisation)",
              "calibrate refine --focal",
              rig.fault.cure});
+    // "door and desk look swapped: exchange their pictures"
+    if (!status.finding.empty())
+        figures.alarms.push_back({status.finding.substr(0, status.finding.find(": ")),
+                                  "see monitor, or the site's log",
+                                  status.finding});
     return figures;
 }
 

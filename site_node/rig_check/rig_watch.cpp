@@ -50,6 +50,9 @@ void RigWatch::vote(const std::string& key,
     Finding& finding = findings_[key];
     finding.needed = needed;
     finding.line = fmt::format("{} reason=\"{}\"", event, reason);
+    // it ended, and is back
+    if (num_looks_ > finding.voted_at + kStandingLooks) finding.standing_at.reset();
+    finding.voted_at = num_looks_;
     ++finding.votes;
     num_good_looks_ = 0;
     finding.reason = reason;
@@ -88,6 +91,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         if (finding.votes < finding.needed) continue;
         if (finding.reported && (key == kLow || now - *finding.reported < kRepeat)) continue;
         finding.reported = now;
+        if (!finding.standing_at) finding.standing_at = num_looks_;
         finding.votes = 0;  // it must hold again before it is repeated
         lines.push_back(finding.line);
         if (key != kAllDropped && key != kLow) last_reason_ = finding.reason;
@@ -326,6 +330,17 @@ void RigWatch::judge_lowness(const Look& look, const Agreement& agreement) {
         vote(kLow, kManyVotes, fmt::format("people_are_small height_m={:.2f}", *standing), *doubt);
     else
         findings_.erase(kLow);
+}
+
+std::string RigWatch::standing_reason() const {
+    const Finding* first = nullptr;
+    for (const auto& [key, finding] : findings_) {
+        if (!finding.standing_at || num_looks_ > finding.voted_at + kStandingLooks ||
+            key == kAllDropped || key == kLow)
+            continue;
+        if (first == nullptr || *finding.standing_at < *first->standing_at) first = &finding;
+    }
+    return first == nullptr ? std::string() : first->reason;
 }
 
 std::vector<std::string> RigWatch::finish() {

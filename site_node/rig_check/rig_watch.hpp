@@ -43,6 +43,12 @@ public:
     /// How many looks in a row found nothing to doubt.
     std::size_t num_good_looks() const { return num_good_looks_; }
 
+    /// The reason of the first finding that was reported and holds: it came back within the last
+    /// kStandingLooks looks with somebody. Empty without one. That people are small, or a hull
+    /// empty, may be meant, and is none.
+    std::string standing_reason() const;
+    static constexpr std::size_t kStandingLooks = 90;
+
     /// Returns the lines for the end of a run: findings with too few looks to report them before.
     std::vector<std::string> finish();
 
@@ -71,6 +77,8 @@ private:
         std::size_t votes = 0;
         std::size_t needed = 1;
         std::optional<Clock::time_point> reported;
+        std::size_t voted_at = 0;                // num_looks_
+        std::optional<std::size_t> standing_at;  // num_looks_ when it was first reported
     };
     // The share of rays of one look that the bounds cut.
     struct Cut {

@@ -245,6 +245,7 @@ private:
             number(cameras[i].last_picture_age_ms);
         }
         fill(w.coherence);
+        name(w.finding);
     }
     void fill(atrium_RigCoherence& w) {
         name(w.fault.cure);

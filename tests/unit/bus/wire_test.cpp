@@ -338,7 +338,8 @@ TEST(FromWire, RefusesAFaultOfACameraThatTheRigLacks) {
     status.coherence = {RigVerdict::kMoved, 0.4, 48, {{"north", 0.4, 0.9, 300}}, {}};
     expect_each_refused<SiteStatus>(
         status,
-        {{"coherence.fault.camera", [](auto& w) { w.coherence.fault.camera = 1; }},
+        {{"finding", [](auto& w) { spoil_text(w.finding, "a\n"); }},
+         {"coherence.fault.camera", [](auto& w) { w.coherence.fault.camera = 1; }},
          {"coherence.fault.camera", [](auto& w) { w.coherence.cameras._length = 0; }},
          {"coherence.verdict", [](auto& w) { w.coherence.verdict = 6; }},
          {"coherence.fault.cure",

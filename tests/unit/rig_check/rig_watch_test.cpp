@@ -46,6 +46,7 @@ TEST(RigWatch, IsSilentAboutAGoodSite) {
     EXPECT_EQ(run.watch.num_good_looks(), 30u);
     EXPECT_THAT(run.watch.finish(), IsEmpty());
     EXPECT_THAT(run.watch.summary(), HasSubstr("silhouettes looks=30 explained=0.99 fit=good"));
+    EXPECT_EQ(run.watch.standing_reason(), "");
     EXPECT_THAT(run.watch.summary(true), HasSubstr("silhouettes looks=30 explained=0.99 fit=fair"));
 }
 
@@ -74,6 +75,26 @@ TEST(RigWatch, NamesSwappedCamerasOnceAndAgainAfterTenMinutes) {
     run.now += RigWatch::kRepeat;
     for (std::uint64_t i = 0; i < 30; ++i) run.look(swapped(i));
     EXPECT_EQ(run.lines.size(), 2u);
+}
+
+TEST(RigWatch, HoldsAFindingUntilItDoesNotComeBack) {
+    WatchRun run;
+    for (std::uint64_t i = 0; i < 6; ++i) {
+        Look look = person(i);
+        std::swap(look.views[1].view.contours, look.views[2].view.contours);
+        EXPECT_EQ(run.watch.standing_reason().empty(), run.lines.empty());
+        run.look(look);
+    }
+    EXPECT_THAT(run.watch.standing_reason(), HasSubstr("cam1 and cam2 look swapped: exchange"));
+    // nobody is there for a while
+    Look empty = person(0);
+    for (auto& view : empty.views) view.view.contours.clear();
+    empty.hull_extent = {};
+    for (int i = 0; i < 200; ++i) run.look(empty);
+    for (std::size_t i = 0; i < RigWatch::kStandingLooks; ++i) run.look(person(i));
+    EXPECT_THAT(run.watch.standing_reason(), HasSubstr("cam1 and cam2 look swapped"));
+    run.look(person(1));
+    EXPECT_EQ(run.watch.standing_reason(), "");
 }
 
 // Only arms and legs of somebody who turned on the spot while the room was learned.

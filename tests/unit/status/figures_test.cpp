@@ -63,6 +63,17 @@ TEST(Figures, AlarmOfOtherLenses) {
     EXPECT_EQ(rig_items(status.coherence).front(), "lenses");
 }
 
+TEST(Figures, AlarmOfWhatTheSiteFound) {
+    bus::SiteStatus status;
+    status.finding = "door and desk look swapped: exchange their pictures: folders or cables";
+    const Figures figures = figures_of(status);
+    ASSERT_EQ(figures.alarms.size(), 1u);
+    EXPECT_EQ(figures.alarms[0].what, "door and desk look swapped");
+    EXPECT_EQ(figures.alarms[0].cure, status.finding);
+    status.finding = "no colon";
+    EXPECT_EQ(figures_of(status).alarms[0].what, "no colon");
+}
+
 TEST(Figures, NoAlarmOfARigThatIsTrueOrUnknown) {
     for (const auto verdict : {bus::RigVerdict::kUnknown, bus::RigVerdict::kCoherent})
         EXPECT_THAT(figures_of(judged_site(verdict)).alarms, IsEmpty());
