@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Renews the tables of docs/measurements/calibration.md from the results of fault_trials.sh.
 
-usage: fault_tables.py WANDS BOARDS TIMES PAGE
+usage: fault_tables.py WANDS BOARDS WIDTHS TIMES PAGE
 """
 
 import os
@@ -20,9 +20,22 @@ def put_faults(results, page, name):
     put_table(page, name, out, comment)
 
 
-def main(wands, boards, times, page):
+def put_widths(results, page):
+    rows, comment = read_rows(results)
+    jitters = sorted({row["jitter"] for row in rows}, key=float)
+    widths = sorted({row["robust sigmas"] for row in rows}, key=float)
+    centres = {(row["jitter"], row["robust sigmas"]): row["centres mm"] for row in rows}
+    out = ["| pictures early or late, up to | " + " | ".join(f"{width} sigmas" for width in widths) + " |", "|---" * (len(widths) + 1) + "|"]
+    for jitter in jitters:
+        said = "none: a trigger" if float(jitter) == 0 else f"{jitter} instants"
+        out.append(f"| {said} | " + " | ".join(f"{centres[jitter, width]} mm" for width in widths) + " |")
+    put_table(page, "board-widths", out, comment)
+
+
+def main(wands, boards, widths, times, page):
     put_faults(wands, page, "wand-trials")
     put_faults(boards, page, "board-trials")
+    put_widths(widths, page)
     rows, comment = read_rows(times)
     out = ["| cameras | instants | time | held out | centres | wand's length | by the true cameras |",
            "|---|---|---|---|---|---|---|"]
