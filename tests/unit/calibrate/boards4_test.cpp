@@ -130,7 +130,10 @@ TEST(RealBoards, AreBetterThanTheirStoredSolution) {
         for (BoardCamera& camera : part)
             std::erase_if(camera.corners,
                           [&](const BoardCorner& corner) { return is_held_out(corner.instant); });
-        const auto solution = solve_board({board}, part, {LensFreedom::kAllAndThird, 2, {}});
+        BoardOptions how;
+        how.lens = LensFreedom::kAllAndThird;
+        how.num_threads = 2;
+        const auto solution = solve_board({board}, part, how);
         ASSERT_TRUE(solution) << solution.error().message;
         const auto ours =
             triangulation_error(cameras_of(solution->rig.bundle), film->points, is_held_out);
