@@ -23,7 +23,7 @@ namespace {
 using test::Filming;
 using test::WalkFilm;
 
-constexpr std::uint64_t kLensSeeds = test::kSanitized ? 1 : 6;
+constexpr std::uint64_t kLensSeeds = test::kSanitized ? 1 : 2;
 
 std::vector<geometry::CalibratedCamera> lens_rig() {
     test::RingRigOptions options;
