@@ -46,10 +46,12 @@ bool is_mendable(coherence::Verdict verdict) {
 CoherenceWatcher::CoherenceWatcher(std::vector<geometry::CalibratedCamera> cameras,
                                    double rate_hz,
                                    std::string rig_name,
-                                   std::filesystem::path kept_folder)
+                                   std::filesystem::path kept_folder,
+                                   std::function<bool()> is_explained)
     : cameras_(std::move(cameras)),
       rate_hz_(rate_hz),
       rig_name_(std::move(rig_name)),
+      is_explained_(std::move(is_explained)),
       watch_(cameras_),
       kept_(std::move(kept_folder), coherence::Coherence::kWindow),
       thread_([this](std::stop_token stop) { run(stop); }) {
@@ -106,6 +108,11 @@ std::vector<coherence::SilhouetteHull> CoherenceWatcher::hulls_of(
 }
 
 void CoherenceWatcher::look(Look&& look) {
+    if (is_explained_()) {
+        const std::lock_guard lock(newest_mutex_);
+        newest_ = {};
+        return;
+    }
     coherence::Sight sight;
     sight.now = hulls_of(look.instant.now);
     if (!look.instant.before.empty()) sight.before = hulls_of(look.instant.before);
@@ -250,8 +257,8 @@ void CoherenceWatcher::finish() {
     const coherence::Report& report = last.report;
     doubts_rig_ = report.verdict > coherence::Verdict::kCoherent ||
                   (report.verdict == coherence::Verdict::kCoherent && report.rms_px > kNotGood_px);
-    if (last.is_told) keep(last, due_);
-    tell(last);
+    if (last.is_told && !is_explained_()) keep(last, due_);
+    if (!is_explained_()) tell(last);
     if (report.verdict == coherence::Verdict::kTooLittle) return;
     std::size_t worst = 0;
     for (std::size_t i = 0; i < report.cameras.size(); ++i)

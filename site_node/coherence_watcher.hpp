@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -28,11 +29,14 @@ public:
 
     /// `rig_name`: for the command that mends it, which reads the silhouettes that the watcher
     /// writes into `kept_folder` while a camera's fault holds (KeptSilhouettes). Fewer than three
-    /// cameras are not watched.
-    CoherenceWatcher(std::vector<geometry::CalibratedCamera> cameras,
-                     double rate_hz,
-                     std::string rig_name,
-                     std::filesystem::path kept_folder = {});
+    /// cameras are not watched. `is_explained`: true while a mistake is known that explains all
+    /// contradictions, which are not judged then. Any thread.
+    CoherenceWatcher(
+        std::vector<geometry::CalibratedCamera> cameras,
+        double rate_hz,
+        std::string rig_name,
+        std::filesystem::path kept_folder = {},
+        std::function<bool()> is_explained = [] { return false; });
     ~CoherenceWatcher();
 
     /// True if it wants the contours of metaframe `frame_id`: never before it is done with the
@@ -71,6 +75,7 @@ private:
     const std::vector<geometry::CalibratedCamera> cameras_;
     const double rate_hz_;
     const std::string rig_name_;
+    const std::function<bool()> is_explained_;
     // of the caller
     Clock::time_point due_{};
     std::optional<std::uint64_t> before_id_;

@@ -64,6 +64,7 @@ void RigWatcher::judge(const rig_check::Look& look, const std::stop_token& stop)
     };
     const auto lines = watch_.look(look, Clock::now(), goes_on);
     is_well_ = watch_.num_good_looks() >= kWell;
+    is_explained_ = watch_.is_explained();
     for (const std::string& line : lines) app::log::warn("{}", line);
     std::string line = line_of(watch_.standing_reason());
     const std::lock_guard lock(finding_mutex_);

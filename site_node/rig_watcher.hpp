@@ -29,6 +29,8 @@ public:
     /// What is wrong with the rig or the pictures, as a line of a status; empty without a finding
     /// that holds. Any thread.
     std::string finding() const;
+    /// True while a mistake holds that explains the silhouettes (RigWatch). Any thread.
+    bool is_explained() const { return is_explained_; }
 
     /// Ends the thread, judges the last look, and logs the summary. Later calls do nothing.
     /// `is_rig_in_doubt`: for other reasons than its own.
@@ -44,6 +46,7 @@ private:
     LatestSlot<rig_check::Look> slot_;
     Clock::time_point due_{};
     std::atomic<bool> is_well_ = false;  // the last looks found nothing to doubt
+    std::atomic<bool> is_explained_ = false;
     mutable std::mutex finding_mutex_;
     std::string finding_;
     std::jthread thread_;  // last: uses the members above

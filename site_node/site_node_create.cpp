@@ -190,9 +190,9 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
       coherence_watcher_(source_->rig().cameras,
                          metaframe_rate_hz(config_, source_->rig()),
                          rig_file(config_),
-                         config_.kept_silhouettes.empty()
-                             ? std::filesystem::path()
-                             : config_.kept_silhouettes / config_.name),
+                         config_.kept_silhouettes.empty() ? std::filesystem::path()
+                                                          : config_.kept_silhouettes / config_.name,
+                         [this] { return rig_watcher_.is_explained(); }),
       run_control_(std::move(run_control)),
       membership_(std::move(membership)) {
     if (config_.preview.empty()) return;

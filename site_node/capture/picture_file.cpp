@@ -264,6 +264,7 @@ Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::strin
         }
         impl.num_in_header =
             static_cast<std::size_t>(std::max(0.0, impl.video.get(cv::CAP_PROP_FRAME_COUNT)));
+        impl.num_in_header = num_shown_pictures(impl.path, impl.num_in_header);
         impl.lost = lost_pictures(impl.path);
         if (impl.num_in_header >= impl.lost.num_pictures)
             impl.num_in_header -= impl.lost.numbers.size();

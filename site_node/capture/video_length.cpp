@@ -3,11 +3,16 @@
 #include <fmt/format.h>
 #include <opencv2/videoio.hpp>
 
+extern "C" {
+#include <libavformat/avformat.h>
+}
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <string_view>
 
@@ -94,7 +99,33 @@ std::size_t num_compressed_pictures(const std::filesystem::path& file) try {
     return 0;
 }
 
+struct CloseInput {
+    void operator()(AVFormatContext* input) const { avformat_close_input(&input); }
+};
+
 }  // namespace
+
+std::size_t num_shown_pictures(const std::filesystem::path& file, std::size_t in_header) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream || container_of(Head(stream, 0)) != end_of_box) return in_header;
+    AVFormatContext* opened = nullptr;
+    if (avformat_open_input(&opened, file.c_str(), nullptr, nullptr) < 0) return in_header;
+    const std::unique_ptr<AVFormatContext, CloseInput> input(opened);
+    for (unsigned i = 0; i < input->nb_streams; ++i) {
+        AVStream* const pictures = input->streams[i];
+        if (pictures->codecpar->codec_type != AVMEDIA_TYPE_VIDEO) continue;
+        // without a number, the file is in fragments, whose index is not read yet
+        const int num_entries = avformat_index_get_entries_count(pictures);
+        if (pictures->nb_frames <= 0 || num_entries <= 0) return in_header;
+        std::size_t num_shown = 0;
+        for (int entry = 0; entry < num_entries; ++entry) {
+            const int flags = avformat_index_get_entry(pictures, entry)->flags;
+            num_shown += (flags & AVINDEX_DISCARD_FRAME) == 0 ? 1 : 0;
+        }
+        return num_shown == 0 ? in_header : std::min(num_shown, in_header);
+    }
+    return in_header;
+}
 
 bool is_truncated_video(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary | std::ios::ate);

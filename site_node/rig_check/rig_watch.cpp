@@ -43,10 +43,10 @@ constexpr std::size_t kMostHeights = 600;  // these have decided it
 
 }  // namespace
 
-void RigWatch::vote(const std::string& key,
-                    std::size_t needed,
-                    const std::string& event,
-                    const std::string& reason) {
+RigWatch::Finding& RigWatch::vote(const std::string& key,
+                                  std::size_t needed,
+                                  const std::string& event,
+                                  const std::string& reason) {
     Finding& finding = findings_[key];
     finding.needed = needed;
     finding.line = fmt::format("{} reason=\"{}\"", event, reason);
@@ -56,6 +56,7 @@ void RigWatch::vote(const std::string& key,
     ++finding.votes;
     num_good_looks_ = 0;
     finding.reason = reason;
+    return finding;
 }
 
 std::vector<std::string> RigWatch::look(const Look& look,
@@ -174,14 +175,27 @@ void RigWatch::judge_agreement(const Look& look,
                                                      static_cast<int>(diagnosis->cause),
                                                      fmt::join(diagnosis->cameras, " "))
                                        : fmt::format("{}", static_cast<int>(diagnosis->cause));
-    vote(key,
-         kFewVotes,
-         fmt::format("cameras_contradict explained={:.2f} worst={}:{:.2f}{}",
-                     mean,
-                     look.views[worst].name,
-                     agreement.cameras[worst].share(),
-                     is_certain ? fmt::format(" explained_then={:.2f}", diagnosis->share_if) : ""),
-         diagnosis->text);
+    Finding& finding = vote(
+        key,
+        kFewVotes,
+        fmt::format("cameras_contradict explained={:.2f} worst={}:{:.2f}{}",
+                    mean,
+                    look.views[worst].name,
+                    agreement.cameras[worst].share(),
+                    is_certain ? fmt::format(" explained_then={:.2f}", diagnosis->share_if) : ""),
+        diagnosis->text);
+    // a camera that contradicts all others may have been moved, too
+    finding.explains = is_certain && diagnosis->cause != Cause::kOneCamera;
+}
+
+bool RigWatch::stands(const Finding& finding) const {
+    return finding.standing_at && num_looks_ <= finding.voted_at + kStandingLooks;
+}
+
+bool RigWatch::is_explained() const {
+    return std::ranges::any_of(findings_, [&](const auto& entry) {
+        return entry.second.explains && stands(entry.second);
+    });
 }
 
 void RigWatch::judge_bounds(const Look& look, const Agreement& agreement) {
@@ -272,7 +286,7 @@ void RigWatch::judge_smallness(const Look& look, const Agreement& agreement) {
 
 // A calibration with a board on a table has its floor at the table's height.
 void RigWatch::judge_floor(const Look& look) {
-    if (!look.footing) return;
+    if (!look.footing || is_explained()) return;
     const Eigen::Vector3d& feet = look.footing->feet_site;
     // bounds above the floor are not for whole people
     if (options_.bounds &&
@@ -335,10 +349,10 @@ void RigWatch::judge_lowness(const Look& look, const Agreement& agreement) {
 std::string RigWatch::standing_reason() const {
     const Finding* first = nullptr;
     for (const auto& [key, finding] : findings_) {
-        if (!finding.standing_at || num_looks_ > finding.voted_at + kStandingLooks ||
-            key == kAllDropped || key == kLow)
-            continue;
-        if (first == nullptr || *finding.standing_at < *first->standing_at) first = &finding;
+        if (!stands(finding) || key == kAllDropped || key == kLow) continue;
+        const bool is_first = first == nullptr || *finding.standing_at < *first->standing_at;
+        if (first == nullptr || first->explains == finding.explains ? is_first : finding.explains)
+            first = &finding;
     }
     return first == nullptr ? std::string() : first->reason;
 }
@@ -353,41 +367,6 @@ std::vector<std::string> RigWatch::finish() {
         if (key != kAllDropped && key != kLow) last_reason_ = finding.reason;
     }
     return lines;
-}
-
-std::string RigWatch::summary(bool is_rig_in_doubt) const {
-    std::size_t rays = 0;
-    std::size_t counted = 0;
-    std::size_t explained = 0;
-    double worst_share = 2.0;
-    std::string worst;
-    std::string blind;
-    for (const auto& [name, camera] : cameras_) {
-        rays += camera.rays;
-        counted += camera.rays - camera.silent;
-        explained += camera.explained;
-        if (camera.looks_with_somebody == 0 && camera.looks_only_others > 0)
-            blind += (blind.empty() ? "" : " ") + name;
-        const double share = static_cast<double>(camera.explained) /
-                             static_cast<double>(camera.rays - camera.silent);
-        if (camera.rays == camera.silent || share >= worst_share) continue;
-        worst_share = share;
-        worst = name;
-    }
-    if (counted == 0) return {};
-    const double share = static_cast<double>(explained) / static_cast<double>(counted);
-    return fmt::format(
-        "silhouettes looks={} explained={:.2f} fit={} worst={}:{:.2f} cut={:.2f}{}{}",
-        num_looks_,
-        share,
-        share >= kFineShare && !is_rig_in_doubt ? "good"
-        : share >= kPoorShare                   ? "fair"
-                                                : "poor",
-        worst,
-        worst_share,
-        static_cast<double>(rays - counted) / static_cast<double>(rays),
-        heights_m_.empty() ? "" : fmt::format(" height_m={:.2f}", median_of(heights_m_)),
-        blind.empty() ? "" : fmt::format(" without_anybody=\"{}\"", blind));
 }
 
 }  // namespace atrium::rig_check

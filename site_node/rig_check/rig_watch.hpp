@@ -44,10 +44,13 @@ public:
     std::size_t num_good_looks() const { return num_good_looks_; }
 
     /// The reason of the first finding that was reported and holds: it came back within the last
-    /// kStandingLooks looks with somebody. Empty without one. That people are small, or a hull
-    /// empty, may be meant, and is none.
+    /// kStandingLooks looks with somebody. One that explains the others (`is_explained`) goes
+    /// first. Empty without one. That people are small, or a hull empty, may be meant, and is none.
     std::string standing_reason() const;
     static constexpr std::size_t kStandingLooks = 90;
+    /// True if a mistake that explains the silhouettes holds, such as swapped cameras or turned
+    /// pictures: what else is wrong with poses and floor then follows from it.
+    bool is_explained() const;
 
     /// Returns the lines for the end of a run: findings with too few looks to report them before.
     std::vector<std::string> finish();
@@ -79,6 +82,7 @@ private:
         std::optional<Clock::time_point> reported;
         std::size_t voted_at = 0;                // num_looks_
         std::optional<std::size_t> standing_at;  // num_looks_ when it was first reported
+        bool explains = false;                   // see `is_explained`
     };
     // The share of rays of one look that the bounds cut.
     struct Cut {
@@ -86,10 +90,11 @@ private:
         std::size_t cut = 0;
     };
 
-    void vote(const std::string& key,
-              std::size_t needed,
-              const std::string& event,
-              const std::string& reason);
+    Finding& vote(const std::string& key,
+                  std::size_t needed,
+                  const std::string& event,
+                  const std::string& reason);
+    bool stands(const Finding& finding) const;
     void judge_blind_cameras(const Look& look, const Agreement& agreement);
     void judge_outside(const Look& look, const Agreement& agreement);
     void judge_agreement(const Look& look,

@@ -21,6 +21,7 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -62,6 +63,15 @@ public:
         glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double steps) {
             if (ImGui::GetIO().WantCaptureMouse) return;
             static_cast<Window*>(glfwGetWindowUserPointer(w))->events_.motion.zoom_steps += steps;
+        });
+        // A hand moves on until the next picture: what counts is where it pressed. glfwGetCursorPos
+        // asks where the cursor is now.
+        glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
+            static_cast<Window*>(glfwGetWindowUserPointer(w))->moved_to_ = {x, y};
+        });
+        glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int, int action, int) {
+            auto& self = *static_cast<Window*>(glfwGetWindowUserPointer(w));
+            if (action == GLFW_PRESS && !self.was_pressed_) self.pressed_at_ = self.moved_to_;
         });
         // a click may begin and end between two slow pictures
         glfwSetInputMode(window_, GLFW_STICKY_MOUSE_BUTTONS, GLFW_TRUE);
@@ -206,6 +216,11 @@ private:
     void read_mouse() {
         Eigen::Vector2d at = Eigen::Vector2d::Zero();
         glfwGetCursorPos(window_, &at.x(), &at.y());
+        const bool is_left = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
+        const bool is_right = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
+        const bool is_press = (is_left || is_right) && !was_pressed_;
+        const auto pressed_at = std::exchange(pressed_at_, std::nullopt);
+        if (is_press) at = pressed_at.value_or(at);
         // the cursor is in screen units, the picture in pixels
         std::array<int, 2> window{};
         glfwGetWindowSize(window_, &window[0], &window[1]);
@@ -216,11 +231,8 @@ private:
         events_.pointer.at_px = at;
         events_.pointer.width_px = std::max(1, window[0]);
         events_.pointer.height_px = std::max(1, window[1]);
-        const bool is_left = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
-        const bool is_right = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
         // panels consume their own input, also a press in the picture in which the mouse reaches
         // them
-        const bool is_press = (is_left || is_right) && !was_pressed_;
         const bool is_on_panel =
             is_press && is_panel_at(static_cast<float>(at.x()), static_cast<float>(at.y()));
         if (ImGui::GetIO().WantCaptureMouse || is_on_panel) return;
@@ -260,7 +272,9 @@ private:
     FullScreen full_screen_;
     SurfaceEvents events_;
     Eigen::Vector2d last_cursor_ = Eigen::Vector2d::Zero();
-    bool was_pressed_ = false;  // on the world, in the last picture
+    bool was_pressed_ = false;                   // on the world, in the last picture
+    std::optional<Eigen::Vector2d> moved_to_;    // by the last event
+    std::optional<Eigen::Vector2d> pressed_at_;  // since the last picture
     double last_time_s_ = 0.0;
     std::chrono::steady_clock::duration waited_{0};
 };

@@ -83,6 +83,7 @@ TEST(RigWatch, HoldsAFindingUntilItDoesNotComeBack) {
         Look look = person(i);
         std::swap(look.views[1].view.contours, look.views[2].view.contours);
         EXPECT_EQ(run.watch.standing_reason().empty(), run.lines.empty());
+        EXPECT_EQ(run.watch.is_explained(), !run.lines.empty());
         run.look(look);
     }
     EXPECT_THAT(run.watch.standing_reason(), HasSubstr("cam1 and cam2 look swapped: exchange"));
@@ -93,8 +94,10 @@ TEST(RigWatch, HoldsAFindingUntilItDoesNotComeBack) {
     for (int i = 0; i < 200; ++i) run.look(empty);
     for (std::size_t i = 0; i < RigWatch::kStandingLooks; ++i) run.look(person(i));
     EXPECT_THAT(run.watch.standing_reason(), HasSubstr("cam1 and cam2 look swapped"));
+    EXPECT_TRUE(run.watch.is_explained());
     run.look(person(1));
     EXPECT_EQ(run.watch.standing_reason(), "");
+    EXPECT_FALSE(run.watch.is_explained());
 }
 
 // Only arms and legs of somebody who turned on the spot while the room was learned.

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -56,7 +57,9 @@ public:
     explicit WatchedWalk(std::vector<geometry::CalibratedCamera> rig,
                          const std::string& rig_name = "lab.toml",
                          const std::filesystem::path& kept = {})
-        : rig_(rig), filming_{rig}, watcher_(rig, 30.0, rig_name, kept) {}
+        : rig_(rig), filming_{rig}, watcher_(rig, 30.0, rig_name, kept, [this] {
+              return is_explained_.load();
+          }) {}
 
     // Shows it two metaframes in a row, and waits until it has looked at them.
     void look() {
@@ -80,6 +83,7 @@ public:
     }
     CoherenceWatcher& watcher() { return watcher_; }
     test::Filming& filming() { return filming_; }
+    void set_explained(bool is_explained) { is_explained_ = is_explained; }
 
 private:
     std::vector<views::NamedView> views(const std::vector<coherence::SilhouetteHull>& hulls) const {
@@ -97,6 +101,7 @@ private:
     std::size_t num_looks_ = 0;
     CoherenceWatcher::Clock::time_point now_{std::chrono::hours(1)};
     test::Filming filming_;
+    std::atomic<bool> is_explained_ = false;
     CoherenceWatcher watcher_;
 };
 
@@ -134,6 +139,25 @@ TEST(CoherenceWatcher, HasACameraThatTurnedInTheStatusUntilItIsBack) {
     const std::string log = testing::internal::GetCapturedStderr();
     EXPECT_EQ(num_of("camera_moved camera=cam5 ", log), 1u) << log;
     EXPECT_EQ(num_of("camera_coherent camera=cam5 ", log), 1u) << log;
+}
+
+// Swapped cameras, for example: poses that fit better would hide them.
+TEST(CoherenceWatcher, IsSilentWhileAMistakeExplainsAll) {
+    testing::internal::CaptureStderr();
+    WatchedWalk walk(watched_rig());
+    geometry::CalibratedCamera& camera = walk.filming().truth[5];
+    camera = test::bumped(
+        camera, Eigen::Vector3d(0.0, 0.0, std::numbers::pi / 180.0), Eigen::Vector3d::Zero());
+    walk.set_explained(true);
+    for (int i = 0; i < 60; ++i) walk.look();
+    EXPECT_EQ(walk.watcher().newest(), bus::RigCoherence{});
+    walk.set_explained(false);
+    ASSERT_TRUE(walk.comes_to_hold(true)) << "the mistake is mended";
+    walk.set_explained(true);
+    walk.look();
+    EXPECT_EQ(walk.watcher().newest(), bus::RigCoherence{});
+    walk.watcher().finish();
+    EXPECT_EQ(num_of("camera_moved", testing::internal::GetCapturedStderr()), 1U);
 }
 
 TEST(CoherenceWatcher, SaysHowToMendALateCamera) {

@@ -95,7 +95,8 @@ Expected<Look> look_at(const Shots& shots) try {
     }
     const double count = video.get(cv::CAP_PROP_FRAME_COUNT);
     if (std::isfinite(count) && count > 0.0 && count < 1e9)
-        look.num_in_header = static_cast<std::size_t>(count);
+        look.num_in_header =
+            capture::num_shown_pictures(shots.path, static_cast<std::size_t>(count));
     look.lost = capture::lost_pictures(shots.path);
     look.num_frames = capture::num_whole_pictures(shots.path, look.num_in_header);
     return look;

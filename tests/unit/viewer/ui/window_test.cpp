@@ -207,6 +207,33 @@ TEST_F(ViewerWindow, HidesSitesFromTheirListByMouseAndKeys) {
     for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().close) << "Escape closes the list first";
 }
 
+// Between two slow pictures a hand presses and moves on.
+TEST_F(ViewerWindow, ADragBeginsWhereTheButtonWasPressed) {
+    const Eigen::Vector2d from(400, 150), to(470, 190);
+    const auto point_at = [&](const Eigen::Vector2d& place) {
+        display_->point_at(kTitle, static_cast<int>(place.x()), static_cast<int>(place.y()));
+    };
+    point_at(from);
+    ASSERT_TRUE(comes_true([&] { return draw().pointer.at_px == from; }));
+    display_->hold_button(kTitle, true);
+    point_at(to);
+    SurfaceEvents events;
+    ASSERT_TRUE(comes_true([&] { return (events = draw()).pointer.is_down; }));
+    EXPECT_EQ(events.pointer.at_px, from);
+    EXPECT_TRUE(events.motion.turn_px.isZero()) << "the way to the press is no drag";
+    Eigen::Vector2d turned = Eigen::Vector2d::Zero();
+    ASSERT_TRUE(comes_true([&] {
+        events = draw();
+        turned += events.motion.turn_px;
+        return events.pointer.at_px == to;
+    }));
+    EXPECT_TRUE(events.pointer.is_down);
+    EXPECT_GT(turned.x(), 0.0);
+    EXPECT_NEAR(turned.y() / turned.x(), 40.0 / 70.0, 1e-6) << "the way from there";
+    display_->hold_button(kTitle, false);
+    EXPECT_TRUE(comes_true([&] { return !draw().pointer.is_down; }));
+}
+
 TEST_F(ViewerWindow, AKeyOfAShortcutDoesNotMoveTheView) {
     const auto flies = [&] { return draw().motion.fly.x() > 0.0; };
     display_->hold_key(kTitle, "d", true, true);  // Ctrl is let go before D
