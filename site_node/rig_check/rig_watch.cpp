@@ -194,7 +194,9 @@ bool RigWatch::stands(const Finding& finding) const {
 
 bool RigWatch::is_explained() const {
     return std::ranges::any_of(findings_, [&](const auto& entry) {
-        return entry.second.explains && stands(entry.second);
+        // or will soon be certain
+        return entry.second.explains &&
+               (stands(entry.second) || num_looks_ < entry.second.voted_at + kRecent);
     });
 }
 

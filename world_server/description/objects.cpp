@@ -128,6 +128,8 @@ WorldObject read_object(config::TableReader& reader,
                 return !left || left->field != problem->field;
             });
         }
+        if (key == "mass_kg" && reader.has(key) && has_model)
+            allowed += ", or see its size: " + size_advice(rigid.size_m);
         if (key == "mass_kg" && !reader.has(key)) {
             key = reader.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
             allowed += mass_advice(physics::volume_m3(to_rigid(object)), rigid.mass_kg) +

@@ -13,6 +13,8 @@
 namespace atrium::world_server {
 namespace {
 
+constexpr double kFarTie_m = 0.1;  // a rope visibly ends in the air
+
 bool may_be_in(const geometry::Aabb& soft, const physics::RigidObject& rigid) {
     if (rigid.shape == physics::ObjectShape::kPlane) return true;
     return touch(soft, start_box_of(rigid));
@@ -87,7 +89,7 @@ void doubt_ties(const WorldDescription& world,
             nearest_m = far_m;
             place_m = at_m;
         }
-        if (nearest_m <= kFarAnchor_m) continue;
+        if (nearest_m <= kFarTie_m) continue;
         lines.push_back(
             fmt::format("soft_looks_wrong name={} reason=\"tied at [{:.2f}, {:.2f}, {:.2f}] is "
                         "{:.2g} m away from {}; move one of them with position_m\"",

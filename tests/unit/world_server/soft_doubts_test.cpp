@@ -102,7 +102,8 @@ TEST_F(WorldDoubts, NameATieFarFromItsObject) {
                std::to_string(end_m - 0.5) + ", 0, 1]\n";
     };
     EXPECT_THAT(doubts(rope(-0.2)), IsEmpty());
-    EXPECT_THAT(doubts(rope(-0.6)), IsEmpty()) << "0.4 m away";
+    EXPECT_THAT(doubts(rope(-0.28)), IsEmpty()) << "0.08 m away";
+    EXPECT_THAT(doubts(rope(-0.4)), ElementsAre(HasSubstr("is 0.2 m away from b;")));
     EXPECT_THAT(doubts(rope(-3.2)),
                 ElementsAre(HasSubstr("soft_looks_wrong name=rope reason=\"tied at [-3.20, 0.00, "
                                       "1.00] is 3 m away from b;")));
