@@ -13,9 +13,9 @@ inline constexpr const char* kTruncatedText = "the file is truncated; copy or ex
 /// bytes may be hostile.
 bool is_truncated_video(const std::filesystem::path& file);
 
-/// Pictures that decoders deliver of a video with so many in its header: fewer if an MP4 or MOV file
-/// was trimmed without encoding. Its edit list then leaves out pictures that are in the file. Reads
-/// the header only. The bytes may be hostile.
+/// Pictures that decoders deliver of a video with so many in its header: fewer if an MP4 or MOV
+/// file was trimmed without encoding. Its edit list then leaves out pictures that are in the file.
+/// Reads the header only. The bytes may be hostile.
 std::size_t num_shown_pictures(const std::filesystem::path& file, std::size_t in_header);
 
 /// Whole pictures of a video whose header announces `in_header`: fewer if the file is truncated,

@@ -48,8 +48,8 @@ public:
     /// first. Empty without one. That people are small, or a hull empty, may be meant, and is none.
     std::string standing_reason() const;
     static constexpr std::size_t kStandingLooks = 90;
-    /// True if a mistake that explains the silhouettes holds, or was seen in the last looks, such as
-    /// swapped cameras or turned pictures: what else is wrong with poses and floor then follows
+    /// True if a mistake that explains the silhouettes holds, or was seen in the last looks, such
+    /// as swapped cameras or turned pictures: what else is wrong with poses and floor then follows
     /// from it.
     bool is_explained() const;
 

@@ -22,8 +22,8 @@ struct SoftMesh {
     /// [m] where they start, in its own frame. A cloth is not quite flat then: a flat one that is
     /// held along its side would stand out like a board, because nothing begins to fold it.
     std::vector<Eigen::Vector3d> starts;
-    std::vector<double> shares;          // share of the mass per node; they add up to 1
-    std::vector<SoftLink> links;         // bending links come last
+    std::vector<double> shares;   // share of the mass per node; they add up to 1
+    std::vector<SoftLink> links;  // bending links come last
     SoftTopology topology;
 };
 

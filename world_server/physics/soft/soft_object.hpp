@@ -60,10 +60,10 @@ Eigen::Vector3d start_place(const SoftObject& object);
 /// Returns the filled volume at rest; for cloth and rope with their thickness.
 double volume_m3(const SoftObject& object);
 
-/// Returns the first problem: a number that is not finite or out of range (sizes and spans 1 cm to 20 m,
-/// spacings 1 cm to 1 m, masses 1 g to 100 kg), more than `kMaxSoftNodes` nodes, a pin that does
-/// not fit the shape, a model that is not closed or less than 1 cm across, or another number of
-/// start nodes than the shape has. Empty if the object is valid.
+/// Returns the first problem: a number that is not finite or out of range (sizes and spans 1 cm to
+/// 20 m, spacings 1 cm to 1 m, masses 1 g to 100 kg), more than `kMaxSoftNodes` nodes, a pin that
+/// does not fit the shape, a model that is not closed or less than 1 cm across, or another number
+/// of start nodes than the shape has. Empty if the object is valid.
 std::optional<ObjectProblem> find_problem(const SoftObject& object);
 
 /// The constant part of a soft object.
