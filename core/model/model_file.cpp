@@ -2,6 +2,7 @@
 
 #include "core/base/readable.hpp"
 #include "core/model/assimp_errors.hpp"
+#include "core/model/gltf_extensions.hpp"
 #include "core/model/material_file.hpp"
 #include "core/model/ply_length.hpp"
 #include "core/model/recorded_files.hpp"
@@ -50,6 +51,19 @@ bool states_colour(const aiMaterial& material) {
     material.Get(AI_MATKEY_NAME, name);
     if (name.length > 0) return std::string_view(name.C_Str()) != AI_DEFAULT_MATERIAL_NAME;
     return (colour_of(material).array() < 1.0).any();
+}
+
+// glTF says it by its mode and the colour's alpha, other formats by an opacity.
+bool is_see_through(const aiMaterial& material) {
+    constexpr float kOpaque = 0.99F;
+    aiString mode;
+    if (material.Get("$mat.gltf.alphaMode", 0, 0, mode) == aiReturn_SUCCESS) {
+        aiColor4D colour(1.0F, 1.0F, 1.0F, 1.0F);
+        material.Get(AI_MATKEY_BASE_COLOR, colour);
+        return std::string_view(mode.C_Str()) == "BLEND" && colour.a < kOpaque;
+    }
+    float opacity = 1.0F;
+    return material.Get(AI_MATKEY_OPACITY, opacity) == aiReturn_SUCCESS && opacity < kOpaque;
 }
 
 float linear_of(float encoded) {
@@ -124,6 +138,7 @@ private:
             part.colour = colour_of(*scene_.mMaterials[mesh.mMaterialIndex]);
             part.has_colour = states_colour(*scene_.mMaterials[mesh.mMaterialIndex]);
             part.own_texture = texture_of(*scene_.mMaterials[mesh.mMaterialIndex]);
+            part.is_see_through = is_see_through(*scene_.mMaterials[mesh.mMaterialIndex]);
         }
         for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
             const aiVector3D& p = mesh.mVertices[v];
@@ -191,6 +206,8 @@ Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& 
         if (const std::string lacks = what_ply_lacks(file); !lacks.empty())
             return wrong(ErrorKind::kInvalidData, lacks);
     }
+    if (const std::string extension = unread_extension(file); !extension.empty())
+        return wrong(ErrorKind::kInvalidData, extension);
     return {};
 }
 
@@ -218,6 +235,10 @@ std::string own_texture_of(const std::vector<ModelPart>& parts) {
 
 std::string missing_materials_of(const std::vector<ModelPart>& parts) {
     return parts.empty() ? std::string() : parts.front().missing_materials;
+}
+
+bool has_see_through(const std::vector<ModelPart>& parts) {
+    return std::ranges::any_of(parts, &ModelPart::is_see_through);
 }
 
 std::vector<Eigen::Vector3d> colours_of(const std::vector<ModelPart>& parts) {

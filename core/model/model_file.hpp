@@ -37,6 +37,7 @@ struct ModelPart {
     std::string own_texture;  // picture that the file names, "*0" inside it; viewers do not draw it
     /// File of materials that an OBJ file names and that is not there: the part has no colour then.
     std::string missing_materials;
+    bool is_see_through = false;  // the file makes it transparent; viewers draw it opaque
 };
 
 /// The first picture that the parts name; empty: none.
@@ -44,6 +45,9 @@ std::string own_texture_of(const std::vector<ModelPart>& parts);
 
 /// The file of materials that the parts lack; empty: none.
 std::string missing_materials_of(const std::vector<ModelPart>& parts);
+
+/// Whether the file makes one of the parts transparent.
+bool has_see_through(const std::vector<ModelPart>& parts);
 
 /// The different colours that the file states for its parts, in the order of the parts.
 std::vector<Eigen::Vector3d> colours_of(const std::vector<ModelPart>& parts);

@@ -243,7 +243,7 @@ Expected<void> RecordingSource::load_times() {
         times_ns_[static_cast<std::size_t>(*frame)]
                  [static_cast<std::size_t>(camera - rig_.cameras.begin())] = *time;
     }
-    return {};
+    return check_times(times_ns_, file);
 }
 
 bool RecordingSource::has_empty_room(std::size_t camera) const {

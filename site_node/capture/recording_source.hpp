@@ -1,6 +1,7 @@
 #pragma once
 
 #include "site_node/capture/frame_source.hpp"
+#include "site_node/capture/recorded_times.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -78,8 +79,7 @@ private:
     std::size_t num_frames_ = 0;
     std::atomic<std::size_t> next_index_{0};
     std::vector<std::unique_ptr<Track>> tracks_;
-    std::vector<std::vector<std::optional<std::int64_t>>>
-        times_ns_;  // [frame][camera]; empty without times.csv
+    RecordedTimes times_ns_;  // empty without times.csv
     // short looping recordings stay decoded: playback then costs as much as live cameras
     std::vector<std::vector<std::optional<CameraFrame>>> decoded_;  // [frame][camera]
 };

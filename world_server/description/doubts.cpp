@@ -65,6 +65,21 @@ void doubt_materials(const WorldDescription& world, std::vector<std::string>& li
     }
 }
 
+void doubt_glass(const WorldDescription& world, std::vector<std::string>& lines) {
+    std::set<std::string> models;
+    for (const WorldObject& object : world.objects)
+        if (object.look.is_see_through) models.insert(object.look.model);
+    for (const WorldScenery& scenery : world.scenery)
+        if (scenery.look.is_see_through) models.insert(scenery.look.model);
+    for (const std::string& model : models) {
+        lines.push_back(
+            fmt::format("transparency_not_drawn model={} reason=\"its file has transparent parts, "
+                        "but all is drawn opaque\" advice=\"take glass out of the model, or make "
+                        "it a frame\"",
+                        model));
+    }
+}
+
 std::string rgb(const Eigen::Vector3d& colour) {
     return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", colour.x(), colour.y(), colour.z());
 }
@@ -353,6 +368,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     std::vector<std::string> lines;
     doubt_textures(world, lines);
     doubt_materials(world, lines);
+    doubt_glass(world, lines);
     doubt_colours(world, lines);
     doubt_gravity(world, lines);
     doubt_layout(world, lines);

@@ -124,6 +124,7 @@ Expected<LoadedModel> load_model_parts(const std::filesystem::path& file,
         surface_of(*model),
         model::own_texture_of(*model),
         model::missing_materials_of(*model),
+        model::has_see_through(*model),
         model::colours_of(*model),
         read.fingerprint};
 }

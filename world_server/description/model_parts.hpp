@@ -20,6 +20,7 @@ struct LoadedModel {
     ModelSurface surface;                      // see WorldObject
     std::string own_texture;                   // picture that the file names; empty: none
     std::string missing_materials;             // see Look
+    bool is_see_through = false;               // see Look
     std::vector<Eigen::Vector3d> own_colours;  // different ones that the file states
     Fingerprint fingerprint;                   // of the file and those that it names
 };

@@ -31,6 +31,7 @@ void read_model(config::TableReader& reader, WorldObject& object, KnownModels& k
     }
     look.own_texture = model.own_texture;
     look.missing_materials = model.missing_materials;
+    look.is_see_through = model.is_see_through;
     look.own_colours = model.own_colours;
     look.model_fingerprint = model.fingerprint;
     object.surface = model.surface;

@@ -34,6 +34,7 @@ void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     look.model_fingerprint = read.fingerprint;
     look.own_texture = model::own_texture_of(*model);
     look.missing_materials = model::missing_materials_of(*model);
+    look.is_see_through = model::has_see_through(*model);
     const bool has_colours = std::ranges::all_of(*model, [](const model::ModelPart& part) {
         return part.has_colour || !part.vertex_colours.empty();
     });

@@ -22,6 +22,7 @@ struct Look {
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
     std::string own_texture{};        // picture that the model's file names; viewers do not draw it
     std::string missing_materials{};  // file of the colours that the model's file names
+    bool is_see_through = false;      // the model's file has transparent parts
     /// Colours of the model's file, if the world file states neither colour nor texture for it.
     std::vector<Eigen::Vector3d> own_colours{};
     Fingerprint model_fingerprint{};  // of what was read; unknown: nothing

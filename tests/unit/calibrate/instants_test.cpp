@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 namespace atrium::calibrate {
 namespace {
 
@@ -132,6 +135,24 @@ TEST(Instants, OfVideosOfDifferentLengthsNameTheShorterOnes) {
     EXPECT_THAT(doubt_of_lengths(
                     frames, {{"a", of_length(60)}, {"b", of_length(50)}, {"c", of_length(59)}}),
                 HasSubstr("50 to 60 pictures: 'b' has 50, 'c' has 59. Picture N"));
+}
+
+TEST(Instants, OfVideosWithAListOfTimesAreDoubted) {
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::path(testing::TempDir()) / "atrium-listed-times";
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    Shots video;
+    video.is_video = true;
+    video.path = folder / "cam_0.mp4";
+    const std::map<std::string, Shots> frames{{"a", video}, {"b", video}};
+    std::ofstream(folder / "points.csv") << "x,y\n";
+    EXPECT_EQ(doubt_of_listed_times(frames), "");
+    std::ofstream(folder / "timestamps.csv") << "cam_id,frame_time\n0,0.1\n";
+    EXPECT_THAT(doubt_of_listed_times(frames), HasSubstr("timestamps.csv is not read. Picture N"));
+    video.is_video = false;
+    EXPECT_EQ(doubt_of_listed_times({{"a", video}, {"b", video}}), "") << "pictures have names";
+    fs::remove_all(folder);
 }
 
 }  // namespace

@@ -282,7 +282,7 @@ TEST_F(Layering, MiddlewareStaysInItsAdapters) {
          {"world_server/physics/"}},
         {{"draco/"}, {"core/codec/"}},
         {{"turbojpeg.h"}, {"core/codec/"}},
-        {{"libav"}, {"viewer/"}},
+        {{"libav"}, {"viewer/", "site_node/capture/"}},
         {{"GL/osmesa.h", "glad/"}, {"core/gl/", "simulation/", "viewer/", "site_node/preview/"}},
         {{"EGL/"}, {"core/gl/"}},
         {{"GLFW/"}, {"viewer/", "site_node/preview/"}},

@@ -107,5 +107,50 @@ TEST_F(WorldDoubts, NameColoursOfAGltfFile) {
     EXPECT_THAT(doubts(car + "material = \"steel\"\n"), IsEmpty()) << "no material";
 }
 
+TEST_F(WorldDoubts, NameGlassThatIsDrawnOpaque) {
+    const std::string car =
+        "[[object]]\nname = \"car\"\nshape = \"convex\"\nmodel = \"car.gltf\"\nmass_kg = 1\n";
+    const auto glass = [](const std::string& mode, double alpha) {
+        return R"("materials":[{"alphaMode":")" + mode +
+               R"(","pbrMetallicRoughness":{"baseColorFactor":[0.8,0.1,0.1,)" +
+               std::to_string(alpha) + "]}}],";
+    };
+    const auto named = ElementsAre(
+        HasSubstr("transparency_not_drawn model=car.gltf reason=\"its file has transparent parts"));
+    const std::string both = R"(,"material":0)";
+    put("car.gltf", tetrahedron_gltf(both, both, glass("BLEND", 0.25)));
+    EXPECT_THAT(doubts(car), named);
+    EXPECT_THAT(doubts("[[scenery]]\nname = \"s\"\nmodel = \"car.gltf\"\n"), named);
+    put("car.gltf", tetrahedron_gltf(both, both, glass("BLEND", 1.0)));
+    EXPECT_THAT(doubts(car), IsEmpty());
+    put("car.gltf", tetrahedron_gltf(both, both, glass("OPAQUE", 0.25)));
+    EXPECT_THAT(doubts(car), IsEmpty()) << "the alpha has no meaning";
+    put("two.mtl", "newmtl red\nKd 0.8 0.1 0.1\nd 0.3\nnewmtl green\nKd 0.8 0.1 0.1\n");
+    put("car.obj", kTwoColours);
+    EXPECT_THAT(doubts("[[object]]\nname = \"car\"\nshape = \"convex\"\nmodel = \"car.obj\"\n"
+                       "mass_kg = 1\n"),
+                ElementsAre(HasSubstr("transparency_not_drawn model=car.obj")));
+}
+
+// Read without them, the geometry would be another one.
+TEST_F(WorldDoubts, RefuseAGltfFileThatNeedsAnUnknownPacking) {
+    std::string text = tetrahedron_gltf("", "", "");
+    const auto error_of = [&](const std::string& required) {
+        put("car.gltf", R"({"extensionsRequired":[)" + required + "]," + text.substr(1));
+        put("world.toml",
+            "[[object]]\nname = \"car\"\nshape = \"convex\"\nmodel = \"car.gltf\"\nmass_kg = 1\n");
+        const auto config = test_support::load_world(folder_ / "world.toml");
+        return config ? "" : config.error().message;
+    };
+    EXPECT_EQ(error_of(""), "");
+    EXPECT_EQ(error_of(R"("KHR_materials_unlit", 7)"), "");
+    EXPECT_THAT(
+        error_of(R"("KHR_materials_unlit","KHR_mesh_quantization")"),
+        HasSubstr("needs the glTF extension KHR_mesh_quantization, which is not read: export "
+                  "it with numbers of full size (gltfpack -noq)"));
+    EXPECT_THAT(error_of(R"("EXT_meshopt_compression")"), HasSubstr("export it uncompressed"));
+    EXPECT_THAT(error_of(R"("EXT_mesh_gpu_instancing")"), HasSubstr("without instances"));
+}
+
 }  // namespace
 }  // namespace atrium::world_server

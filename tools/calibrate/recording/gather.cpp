@@ -282,6 +282,8 @@ Expected<void> Gatherer::look_at_all() {
     if (first != std::numeric_limits<std::size_t>::max()) material_.first_frame = first;
     if (std::string doubt = doubt_of_lengths(material_.frames, material_.looks); !doubt.empty())
         check(std::move(doubt));
+    if (std::string doubt = doubt_of_listed_times(material_.frames); !doubt.empty())
+        check(std::move(doubt));
     const Look& look = material_.looks.begin()->second;
     if (!folders_.is_rate_said && look.codec_rate_hz > 0.0 &&
         std::abs(look.codec_rate_hz / look.rate_hz - 1.0) > 0.01) {

@@ -5,9 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <numeric>
 #include <set>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -220,11 +222,37 @@ std::string doubt_of_lengths(const std::map<std::string, Shots>& frames,
     return fmt::format(
         "instants: the videos have {} to {} pictures: {}. Picture N of every camera is taken as "
         "one instant, so all must begin at the same one; if a camera started late, cut the "
-        "beginning of the others; if it lost pictures in between, a list of times beside the "
-        "videos is not read: give pictures that have their times in their names",
+        "beginning of the others; if it lost pictures in between, give pictures that have their "
+        "times in their names",
         fewest,
         most,
         shorter);
+}
+
+std::string doubt_of_listed_times(const std::map<std::string, Shots>& frames) {
+    namespace fs = std::filesystem;
+    std::set<fs::path> folders;
+    for (const auto& [camera, shots] : frames) {
+        if (!shots.is_video) return {};
+        folders.insert(shots.path.parent_path());
+    }
+    for (const fs::path& folder : folders) {
+        std::error_code failure;
+        for (fs::directory_iterator it(folder, failure), end; !failure && it != end;
+             it.increment(failure)) {
+            const fs::path& file = it->path();
+            if (file.extension() != ".csv" ||
+                file.filename().string().find("time") == std::string::npos)
+                continue;
+            return fmt::format(
+                "instants: {} is not read. Picture N of every camera is taken as one instant: if "
+                "it "
+                "says that cameras began at different times, cut the beginnings of the others "
+                "(ffmpeg -ss SECONDS -i FILE -c copy OUT), until all begin at the same one",
+                file.string());
+        }
+    }
+    return {};
 }
 
 Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames,

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace atrium::capture {
+
+/// Capture times by frame and camera [ns]; empty: none is known.
+using RecordedTimes = std::vector<std::vector<std::optional<std::int64_t>>>;
+
+/// Error kInvalidData if frames are no instants: the times of one frame are mostly further apart
+/// than those of one camera from frame to frame, so that no metaframe would be complete. Too few
+/// times are not judged. `file`: for the message.
+Expected<void> check_times(const RecordedTimes& times, const std::filesystem::path& file);
+
+}  // namespace atrium::capture
