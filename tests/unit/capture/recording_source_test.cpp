@@ -174,30 +174,6 @@ TEST_F(RecordingOnDisk, DeliversSilhouettesAsBinaryMasks) {
     EXPECT_EQ(frames[0].silhouette->at(25, 5), 0);
 }
 
-// The times of unsynchronised cameras that began at different instants.
-TEST_F(RecordingOnDisk, RefusesTimesOfFramesThatAreNoInstants) {
-    write_sequence("a", 10);
-    write_sequence("b", 10);
-    const auto open_with = [&](std::int64_t late_ms) {
-        std::ofstream times(folder_ / "times.csv");
-        times << "frame,camera,capture_time_ns\n";
-        for (std::int64_t frame = 0; frame < 10; ++frame) {
-            times << frame << ",a," << 33'000'000 * frame << "\n";
-            times << frame << ",b," << 33'000'000 * frame + 1'000'000 * late_ms << "\n";
-        }
-        times.close();
-        return RecordingSource::open({.folder = folder_});
-    };
-    EXPECT_TRUE(open_with(0));
-    EXPECT_TRUE(open_with(20)) << "a tolerance may allow it";
-    const auto source = open_with(230);
-    ASSERT_FALSE(source);
-    EXPECT_EQ(source.error().kind, ErrorKind::kInvalidData);
-    EXPECT_THAT(source.error().message,
-                HasSubstr("times.csv: the pictures of one frame are 230 ms apart, those of two "
-                          "frames 33 ms"));
-}
-
 TEST_F(RecordingOnDisk, KeepsTheRecordedTimesOfEachCamera) {
     write_sequence("a", 2);
     write_sequence("b", 2);

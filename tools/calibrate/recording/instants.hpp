@@ -71,8 +71,8 @@ Expected<Instants> compare_instants(const std::map<std::string, Shots>& frames,
 std::string doubt_of_lengths(const std::map<std::string, Shots>& frames,
                              const std::map<std::string, Look>& looks);
 
-/// A sentence on a list of the pictures' times, a CSV file with "time" in its name, that lies beside
-/// videos: it is not read. Empty without one, or not all cameras have videos.
+/// A sentence on a list of the pictures' times, a CSV file with "time" in its name, that lies
+/// beside videos: it is not read. Empty without one, or not all cameras have videos.
 std::string doubt_of_listed_times(const std::map<std::string, Shots>& frames);
 
 }  // namespace atrium::calibrate
