@@ -1,8 +1,8 @@
 #!/bin/sh
 # Calibrates simulated rooms from swept wands, boards, and marks on the floor, with and without faults:
 # `bench/calibrate/fault_trials.sh [BUILD [SEEDS [GOOD]]]`, 20 runs of each fault and 50 good ones. Tells how often each fault is refused and
-# named, how exact boards are with other robust widths, and how long rooms of several sizes take. Keeps the tables with machine and date in bench/results/ and renews
-# docs/measurements/calibration.md. Configure BUILD with -DATRIUM_BENCH=ON. Takes about 40 minutes.
+# named, how exact boards are with other robust widths, and how long rooms of several sizes take. Keeps the tables with machine and date in
+# bench/results/ and renews docs/measurements/calibration.md. Configure BUILD with -DATRIUM_BENCH=ON. Takes about 40 minutes.
 set -eu
 . "$(dirname "$0")/../common.sh"
 cmake --build "$build" --target wand_trials board_trials > /dev/null

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <string_view>
 #include <system_error>
-#include <vector>
 
 namespace atrium::model {
 namespace {
