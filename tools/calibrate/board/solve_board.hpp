@@ -17,7 +17,7 @@ namespace atrium::calibrate {
 struct BoardOptions {
     LensFreedom lens = LensFreedom::kAll;
     int num_threads = 1;
-    /// Errors above this many sigmas of a coordinate count less (Huber), and corners above
+    /// Errors above this many sigmas of a coordinate count less (Cauchy), and corners above
     /// `outlier_sigmas`, but at least 1 px, do not count. Wider than for lights: corners have
     /// numbers, and the board's motion between the pictures of cameras without a trigger gives
     /// errors of any size, which are no outliers (docs/measurements/calibration.md).
