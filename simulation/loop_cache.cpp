@@ -86,6 +86,8 @@ std::uint64_t key_of(std::span<const geometry::CalibratedCamera> cameras,
                      const RoomOptions& options) {
     Hash hash;
     hash.add(std::string(kMagic.data(), kMagic.size()));
+    // rooms of one person keep the files that older versions wrote
+    if (options.num_people > 1) hash.add_word(static_cast<std::uint64_t>(options.num_people));
     hash.add(options.look);
     hash.add(options.motion);
     if (!options.model.empty()) add_model(options, hash);

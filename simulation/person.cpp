@@ -1,7 +1,9 @@
 #include "simulation/person.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 namespace atrium::simulation {
 namespace {
@@ -22,6 +24,24 @@ int RoomOptions::num_frames() const {
     return std::max(1, static_cast<int>(std::lround(loop_s * rate_hz)));
 }
 
+double circle_of_people_m(int num_people) {
+    constexpr double kApartM = 1.2;
+    return num_people < 2 ? 0.0 : 0.5 * kApartM / std::sin(std::numbers::pi / num_people);
+}
+
+RoomOptions options_of_person(const RoomOptions& options, int index) {
+    RoomOptions own = options;
+    own.num_people = 1;
+    if (options.num_people < 2) return own;
+    const std::vector<std::string> looks = look_names();
+    const auto first = std::find(looks.begin(), looks.end(), options.look) - looks.begin();
+    own.look = looks[static_cast<std::size_t>(first + index) % looks.size()];
+    const double angle = 2.0 * std::numbers::pi * index / options.num_people;
+    own.position_m += circle_of_people_m(options.num_people) *
+                      Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0);
+    return own;
+}
+
 Expected<void> check(const RoomOptions& options) {
     if (!find_look(options.look)) {
         return bad_option(
@@ -32,6 +52,10 @@ Expected<void> check(const RoomOptions& options) {
             "motion",
             "must be one of " + joined(motion_names()) + ", got '" + options.motion + "'");
     }
+    if (options.num_people < 1 || options.num_people > kMaxPeople)
+        return bad_option("people", "must be 1 to " + std::to_string(kMaxPeople));
+    if (options.num_people > 1 && options.model.empty() && options.motion == "table_hands")
+        return bad_option("people", "the table of table_hands is for one person");
     if (!(options.rate_hz >= 1.0 && options.rate_hz <= 240.0))
         return bad_option("rate_hz", "must be 1 to 240 Hz");
     if (!(options.loop_s > 0.0 && options.loop_s <= 60.0))

@@ -15,7 +15,8 @@ namespace atrium::simulation {
 
 /// Options of a simulated room and its person.
 struct RoomOptions {
-    std::string look = "ada";             // one of `look_names()`
+    int num_people = 1;                   // 1 to `kMaxPeople`, on a circle around `position_m`
+    std::string look = "ada";             // one of `look_names()`; others have the next ones
     std::string motion = "wave";          // one of `motion_names()`; "table_hands" brings a table
     std::filesystem::path model;          // if not empty: replaces the person and its motion
     std::filesystem::path motion_file{};  // if not empty: moves the model
@@ -33,6 +34,14 @@ struct RoomOptions {
     int num_frames() const;
     double frame_time_s(int frame) const { return frame / rate_hz; }
 };
+
+constexpr int kMaxPeople = 4;
+
+/// Radius of the circle on which people stand, so that neighbours are 1.2 m apart [m]; 0 for one.
+double circle_of_people_m(int num_people);
+
+/// Returns the options of one of several people, whose look and place are its own.
+RoomOptions options_of_person(const RoomOptions& options, int index);
 
 /// Checks the options. Error kConfiguration names the option and the allowed values.
 Expected<void> check(const RoomOptions& options);

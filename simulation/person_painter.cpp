@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <optional>
 
 namespace atrium::simulation {
 namespace {
@@ -31,7 +30,6 @@ void set_camera(const gl::ShaderProgram& program, const geometry::CalibratedCame
 }
 
 void set_look(const gl::ShaderProgram& program, const Look& look) {
-    program.use();
     program.set("skin", look.skin);
     program.set("hair", look.hair);
     program.set("shirt", look.shirt);
@@ -74,6 +72,55 @@ void blur_transposed(const std::vector<std::uint8_t>& in,
     }
 }
 
+// A person's surface in GL.
+class PersonDrawing {
+public:
+    explicit PersonDrawing(const Person& person) : look_(person.look()) {
+        std::vector<Eigen::Vector3f> rest_positions;
+        for (const Eigen::Vector3d& p : person.skin().mesh.vertices)
+            rest_positions.push_back(p.cast<float>());
+        const std::span<const Eigen::Vector3f> rest(rest_positions);
+        glBindVertexArray(array_.id());
+        gl::upload(rest_, GL_ARRAY_BUFFER, rest, GL_STATIC_DRAW);
+        gl::float_attribute(2, 3, sizeof(Eigen::Vector3f), 0);
+        gl::upload(positions_, GL_ARRAY_BUFFER, rest, GL_STREAM_DRAW);
+        gl::float_attribute(0, 3, sizeof(Eigen::Vector3f), 0);
+        gl::upload(normals_, GL_ARRAY_BUFFER, rest, GL_STREAM_DRAW);
+        gl::float_attribute(1, 3, sizeof(Eigen::Vector3f), 0);
+        const auto& triangles = person.skin().mesh.triangles;
+        gl::upload(indices_, GL_ELEMENT_ARRAY_BUFFER, std::span(triangles), GL_STATIC_DRAW);
+        num_indices_ = static_cast<int>(3 * triangles.size());
+    }
+
+    void set_pose(const PosedSkin& skin) {
+        const std::span<const Eigen::Vector3f> positions(skin.positions);
+        const std::span<const Eigen::Vector3f> normals(skin.normals);
+        gl::upload(positions_, GL_ARRAY_BUFFER, positions, GL_STREAM_DRAW);
+        gl::upload(normals_, GL_ARRAY_BUFFER, normals, GL_STREAM_DRAW);
+    }
+
+    // Draws the person with `program`, which must be in use with its camera set.
+    void draw(const gl::ShaderProgram& program) const {
+        set_look(program, look_);
+        glBindVertexArray(array_.id());
+        // the skin is closed, its back faces are never visible; rows run downwards, which makes
+        // front faces clockwise
+        glEnable(GL_CULL_FACE);
+        glFrontFace(GL_CW);
+        glDrawElements(GL_TRIANGLES, num_indices_, GL_UNSIGNED_INT, nullptr);
+        glDisable(GL_CULL_FACE);
+    }
+
+private:
+    Look look_;
+    gl::VertexArray array_ = gl::make_vertex_array();
+    gl::Buffer positions_ = gl::make_buffer();
+    gl::Buffer normals_ = gl::make_buffer();
+    gl::Buffer rest_ = gl::make_buffer();
+    gl::Buffer indices_ = gl::make_buffer();
+    int num_indices_ = 0;
+};
+
 }  // namespace
 
 struct PersonPainter::Impl {
@@ -81,14 +128,14 @@ struct PersonPainter::Impl {
 
     gl::OffscreenContext context;  // first member: outlives the GL objects below
     gl::ShaderProgram paint, flat;
-    std::optional<ModelDrawing> model;  // instead of the person
-    gl::VertexArray person_array, table_array;
-    gl::Buffer positions, normals, rest, indices, table;
+    std::vector<PersonDrawing> people;
+    std::vector<ModelDrawing> models;  // instead of people
+    gl::VertexArray table_array;
+    gl::Buffer table;
     gl::FramebufferName sampled;  // multisampled
     unsigned sampled_colour = 0;
     unsigned sampled_depth = 0;
     gl::Framebuffer resolved;
-    int num_indices = 0;
     int num_table_corners = 0;
     geometry::CalibratedCamera lamp_camera;
     std::vector<std::uint8_t> rgba, shadow, shadow_scratch;
@@ -99,6 +146,12 @@ struct PersonPainter::Impl {
         if (!context.make_current()) return;
         glDeleteRenderbuffers(1, &sampled_colour);
         glDeleteRenderbuffers(1, &sampled_depth);
+    }
+
+    // Another painter may have been used on this thread.
+    void use() {
+        [[maybe_unused]] const auto current = context.make_current();
+        assert(current);
     }
 
     Expected<void> make_targets(int width, int height) {
@@ -125,36 +178,6 @@ struct PersonPainter::Impl {
         return {};
     }
 
-    void make_person(const Person& person) {
-        std::vector<Eigen::Vector3f> rest_positions;
-        for (const Eigen::Vector3d& p : person.skin().mesh.vertices)
-            rest_positions.push_back(p.cast<float>());
-        positions = gl::make_buffer();
-        normals = gl::make_buffer();
-        rest = gl::make_buffer();
-        indices = gl::make_buffer();
-        person_array = gl::make_vertex_array();
-        glBindVertexArray(person_array.id());
-        gl::upload(rest,
-                   GL_ARRAY_BUFFER,
-                   std::span<const Eigen::Vector3f>(rest_positions),
-                   GL_STATIC_DRAW);
-        gl::float_attribute(2, 3, sizeof(Eigen::Vector3f), 0);
-        gl::upload(positions,
-                   GL_ARRAY_BUFFER,
-                   std::span<const Eigen::Vector3f>(rest_positions),
-                   GL_STREAM_DRAW);
-        gl::float_attribute(0, 3, sizeof(Eigen::Vector3f), 0);
-        gl::upload(normals,
-                   GL_ARRAY_BUFFER,
-                   std::span<const Eigen::Vector3f>(rest_positions),
-                   GL_STREAM_DRAW);
-        gl::float_attribute(1, 3, sizeof(Eigen::Vector3f), 0);
-        const auto& triangles = person.skin().mesh.triangles;
-        gl::upload(indices, GL_ELEMENT_ARRAY_BUFFER, std::span(triangles), GL_STATIC_DRAW);
-        num_indices = static_cast<int>(3 * triangles.size());
-    }
-
     void make_table(const Room& room) {
         table = gl::make_buffer();
         const std::vector<Eigen::Vector3f> corners = table_triangles(room);
@@ -167,7 +190,7 @@ struct PersonPainter::Impl {
         gl::float_attribute(0, 3, sizeof(Eigen::Vector3f), 0);
     }
 
-    // Draws the occluder of the person: depth only, no coverage.
+    // Draws the occluder of the people: depth only, no coverage.
     void draw_table(const geometry::CalibratedCamera& camera) {
         if (num_table_corners == 0) return;
         flat.use();
@@ -177,20 +200,11 @@ struct PersonPainter::Impl {
         glDrawArrays(GL_TRIANGLES, 0, num_table_corners);
     }
 
-    void draw_person(const gl::ShaderProgram& program, const geometry::CalibratedCamera& camera) {
+    void draw_people(const gl::ShaderProgram& program, const geometry::CalibratedCamera& camera) {
         program.use();
         set_camera(program, camera);
-        if (model) {
-            model->draw(program);
-            return;
-        }
-        glBindVertexArray(person_array.id());
-        // the skin is closed, its back faces are never visible; rows run downwards, which makes
-        // front faces clockwise
-        glEnable(GL_CULL_FACE);
-        glFrontFace(GL_CW);
-        glDrawElements(GL_TRIANGLES, num_indices, GL_UNSIGNED_INT, nullptr);
-        glDisable(GL_CULL_FACE);
+        for (const PersonDrawing& person : people) person.draw(program);
+        for (const ModelDrawing& model : models) model.draw(program);
     }
 
     void begin(unsigned framebuffer,
@@ -211,7 +225,7 @@ PersonPainter::PersonPainter(PersonPainter&&) noexcept = default;
 PersonPainter& PersonPainter::operator=(PersonPainter&&) noexcept = default;
 PersonPainter::~PersonPainter() = default;
 
-// Prepares everything except the person or model.
+// Prepares everything except the people or models.
 Expected<std::unique_ptr<PersonPainter::Impl>> PersonPainter::prepare(const char* fragment_shader,
                                                                       const Room& room,
                                                                       int max_width,
@@ -241,40 +255,32 @@ Expected<std::unique_ptr<PersonPainter::Impl>> PersonPainter::prepare(const char
     return impl;
 }
 
-Expected<PersonPainter> PersonPainter::create(const Person& person,
+Expected<PersonPainter> PersonPainter::create(std::span<const Person> people,
                                               const Room& room,
                                               int max_width,
                                               int max_height) {
     auto impl = prepare(kPersonFragmentShader, room, max_width, max_height);
     if (!impl) return tl::unexpected(impl.error());
-    (*impl)->make_person(person);
-    set_look((*impl)->paint, person.look());
+    for (const Person& person : people) (*impl)->people.emplace_back(person);
     return PersonPainter(std::move(*impl));
 }
 
-Expected<PersonPainter> PersonPainter::create(const Model& model,
+Expected<PersonPainter> PersonPainter::create(std::span<const Model> models,
                                               const Room& room,
                                               int max_width,
                                               int max_height) {
     auto impl = prepare(kModelFragmentShader, room, max_width, max_height);
     if (!impl) return tl::unexpected(impl.error());
-    (*impl)->model.emplace(model.surface());
+    for (const Model& model : models) (*impl)->models.emplace_back(model.surface());
     return PersonPainter(std::move(*impl));
 }
 
-void PersonPainter::set_pose(const PosedSkin& skin) {
-    if (impl_->model) {
-        impl_->model->set_pose(skin);
-        return;
-    }
-    gl::upload(impl_->positions,
-               GL_ARRAY_BUFFER,
-               std::span<const Eigen::Vector3f>(skin.positions),
-               GL_STREAM_DRAW);
-    gl::upload(impl_->normals,
-               GL_ARRAY_BUFFER,
-               std::span<const Eigen::Vector3f>(skin.normals),
-               GL_STREAM_DRAW);
+void PersonPainter::set_pose(std::size_t index, const PosedSkin& skin) {
+    impl_->use();
+    if (impl_->models.empty())
+        impl_->people[index].set_pose(skin);
+    else
+        impl_->models[index].set_pose(skin);
 }
 
 std::span<const std::uint8_t> PersonPainter::draw(const geometry::CalibratedCamera& camera,
@@ -282,9 +288,10 @@ std::span<const std::uint8_t> PersonPainter::draw(const geometry::CalibratedCame
     const std::size_t num_bytes =
         static_cast<std::size_t>(region.width) * static_cast<std::size_t>(region.height) * 4;
     if (impl_->rgba.size() < num_bytes) impl_->rgba.resize(num_bytes);
+    impl_->use();
     impl_->begin(impl_->sampled.id(), camera.intrinsics, region);
     impl_->draw_table(camera);
-    impl_->draw_person(impl_->paint, camera);
+    impl_->draw_people(impl_->paint, camera);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->sampled.id());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, impl_->resolved.name.id());
     const int right = region.x + region.width;
@@ -314,11 +321,12 @@ std::span<const std::uint8_t> PersonPainter::draw(const geometry::CalibratedCame
 std::span<const std::uint8_t> PersonPainter::draw_shadow() {
     const geometry::PinholeCamera& lamp = impl_->lamp_camera.intrinsics;
     assert(lamp.width == lamp.height);
+    impl_->use();
     impl_->begin(impl_->resolved.name.id(), lamp, {0, 0, lamp.width, lamp.height});
     impl_->draw_table(impl_->lamp_camera);
     impl_->flat.use();
     impl_->flat.set("value", Eigen::Vector4f(1.0f, 1.0f, 1.0f, 1.0f));
-    impl_->draw_person(impl_->flat, impl_->lamp_camera);
+    impl_->draw_people(impl_->flat, impl_->lamp_camera);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadPixels(0, 0, lamp.width, lamp.height, GL_RED, GL_UNSIGNED_BYTE, impl_->shadow.data());
     constexpr int kPenumbraPx = 3;

@@ -7,6 +7,7 @@
 #include "simulation/person.hpp"
 #include "simulation/room.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -14,15 +15,15 @@
 
 namespace atrium::simulation {
 
-/// Draws a person or a model without the room, with OSMesa. Owns its context: use it on one thread.
+/// Draws people or models without the room, with OSMesa. Owns its context: use it on one thread.
 class PersonPainter {
 public:
     /// Pictures may be up to `max_width` by `max_height`.
-    static Expected<PersonPainter> create(const Person& person,
+    static Expected<PersonPainter> create(std::span<const Person> people,
                                           const Room& room,
                                           int max_width,
                                           int max_height);
-    static Expected<PersonPainter> create(const Model& model,
+    static Expected<PersonPainter> create(std::span<const Model> models,
                                           const Room& room,
                                           int max_width,
                                           int max_height);
@@ -31,15 +32,16 @@ public:
     PersonPainter& operator=(PersonPainter&&) noexcept;
     ~PersonPainter();
 
-    void set_pose(const PosedSkin& skin);
+    /// `skin`: that of the person or model `index`.
+    void set_pose(std::size_t index, const PosedSkin& skin);
 
     /// Draws `region` of the camera's picture. Returns RGBA rows of `region.width`, top row first:
-    /// alpha is the fraction of the pixel that the person covers, and colours are premultiplied.
+    /// alpha is the fraction of the pixel that people cover, and colours are premultiplied.
     /// The span is valid until the next call.
     std::span<const std::uint8_t> draw(const geometry::CalibratedCamera& camera,
                                        const image::PixelRect& region);
 
-    /// Draws the person's blurred shadow, 0 to 255, in pixels of `Room::shadow_camera`.
+    /// Draws the people's blurred shadow, 0 to 255, in pixels of `Room::shadow_camera`.
     std::span<const std::uint8_t> draw_shadow();
 
 private:

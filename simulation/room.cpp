@@ -214,11 +214,11 @@ Room make_room(std::span<const geometry::CalibratedCamera> cameras, const RoomOp
         room.table_axis_x = {std::cos(options.heading_rad), std::sin(options.heading_rad), 0.0};
     }
     room.lamp = options.position_m + Vector3d(1.1, 1.5, 3.5);
-    // a sphere around the reach of a person of 2.5 m
+    // a sphere around the reach of people of 2.5 m
     const Vector3d centre = options.position_m + Vector3d(0.0, 0.0, 1.15);
-    constexpr double kReachM = 1.45;
+    const double reach_m = 1.45 + circle_of_people_m(options.num_people);
     room.shadow_camera = look_at(room.lamp, centre);
-    const double half_angle = std::asin(kReachM / (room.lamp - centre).norm());
+    const double half_angle = std::asin(reach_m / (room.lamp - centre).norm());
     geometry::PinholeCamera& intrinsics = room.shadow_camera.intrinsics;
     intrinsics.width = intrinsics.height = kShadowSizePx;
     intrinsics.fx = intrinsics.fy = 0.5 * kShadowSizePx / std::tan(half_angle);

@@ -31,6 +31,10 @@ void declare(RoomConfig& room, config::OptionSet& set) {
             room.lost_percent,
             "wand: share of the pictures that are lost [%]",
             {0, 90});
+    set.add("simulation.people",
+            room.people,
+            "number of people in the simulated room, 1.2 m apart; each has another look",
+            {1, kMaxPeople});
     set.add("simulation.look", room.look, "person in the simulated room", look_names());
     set.add("simulation.motion", room.motion, "motion of the person", motion_names());
     set.add("simulation.model",
@@ -104,6 +108,7 @@ void declare(RoomConfig& room, config::OptionSet& set) {
 RoomOptions room_options(const RoomConfig& config, double rate_hz) {
     constexpr double kRadians = std::numbers::pi / 180.0;
     RoomOptions room;
+    room.num_people = config.people;
     room.look = config.look;
     room.motion = config.motion;
     room.model = config.model;

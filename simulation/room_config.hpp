@@ -18,6 +18,7 @@ struct RoomConfig {
     bool lies = false;
     double exposure_ms = 2.0;   // of the wand
     double lost_percent = 0.0;  // of the wand's pictures
+    int people = 1;
     std::string look = "ada";
     std::string motion = "walk";
     std::filesystem::path model;

@@ -14,6 +14,8 @@
 namespace atrium::simulation {
 namespace {
 
+constexpr double kLead = 0.12;  // of a loop, by which each person is ahead of the one before
+
 Expected<void> check_cameras(const std::vector<geometry::CalibratedCamera>& cameras) {
     constexpr int kMaxPictureSidePx = 8192;
     if (cameras.empty())
@@ -34,20 +36,23 @@ Expected<void> check_cameras(const std::vector<geometry::CalibratedCamera>& came
     return {};
 }
 
-// Returns the pixels that the skin can cover; the whole picture if part of the skin is beside or
+// Returns the pixels that the skins can cover; the whole picture if part of them is beside or
 // behind the camera.
-image::PixelRect region_of(const geometry::CalibratedCamera& camera, const PosedSkin& skin) {
+image::PixelRect region_of(const geometry::CalibratedCamera& camera,
+                           std::span<const PosedSkin> skins) {
     const geometry::PinholeCamera& c = camera.intrinsics;
     const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
     Eigen::Array2d low = Eigen::Array2d::Constant(1e9);
     Eigen::Array2d high = Eigen::Array2d::Constant(-1e9);
-    for (const Eigen::Vector3f& p_site : skin.positions) {
-        const Eigen::Vector3d p =
-            rotation * p_site.cast<double>() + camera.camera_from_site.translation;
-        if (p.z() < 0.05) return {0, 0, c.width, c.height};
-        const Eigen::Array2d px = c.distort(c.project(p)).array();
-        low = low.min(px);
-        high = high.max(px);
+    for (const PosedSkin& skin : skins) {
+        for (const Eigen::Vector3f& p_site : skin.positions) {
+            const Eigen::Vector3d p =
+                rotation * p_site.cast<double>() + camera.camera_from_site.translation;
+            if (p.z() < 0.05) return {0, 0, c.width, c.height};
+            const Eigen::Array2d px = c.distort(c.project(p)).array();
+            low = low.min(px);
+            high = high.max(px);
+        }
     }
     const int x0 = std::clamp(static_cast<int>(std::max(low.x(), -9.0)) - 2, 0, c.width);
     const int y0 = std::clamp(static_cast<int>(std::max(low.y(), -9.0)) - 2, 0, c.height);
@@ -90,41 +95,47 @@ void lay_over(const std::uint8_t* rgba, int num, std::uint8_t* bgr) {
 struct RoomRenderer::Impl {
     Impl(std::vector<geometry::CalibratedCamera> owned_cameras,
          const RoomOptions& room_options,
-         std::optional<Person> made_person,
-         std::optional<Model> made_model,
+         std::vector<Person> made_people,
+         std::vector<Model> made_models,
          Room made_room,
          PersonPainter made_painter)
         : cameras(std::move(owned_cameras)),
-          person(std::move(made_person)),
-          model(std::move(made_model)),
+          people(std::move(made_people)),
+          models(std::move(made_models)),
           room(std::move(made_room)),
           painter(std::move(made_painter)),
-          noise(room_options.noise_lsb, room_options.seed) {}
+          noise(room_options.noise_lsb, room_options.seed),
+          loop_s(room_options.num_frames() / room_options.rate_hz),
+          skins(std::max(people.size(), models.size())) {}
 
     std::vector<geometry::CalibratedCamera> cameras;
-    std::optional<Person> person;
-    std::optional<Model> model;  // instead of `person`
+    std::vector<Person> people;
+    std::vector<Model> models;  // instead of `people`
     Room room;
     PersonPainter painter;
     SensorNoise noise;
     std::vector<RoomView> views;
+    double loop_s;
     std::optional<double> posed_time_s;
-    PosedSkin skin;
+    std::vector<PosedSkin> skins;
     std::span<const std::uint8_t> shadow;
     std::vector<std::uint8_t> bgr;
 
     void pose(double time_s) {
         if (posed_time_s == time_s) return;
-        model ? model->pose(time_s, skin) : person->pose(time_s, skin);
-        painter.set_pose(skin);
+        for (std::size_t i = 0; i < skins.size(); ++i) {
+            const double own_s = time_s + kLead * static_cast<double>(i) * loop_s;
+            models.empty() ? people[i].pose(own_s, skins[i]) : models[i].pose(own_s, skins[i]);
+            painter.set_pose(i, skins[i]);
+        }
         shadow = painter.draw_shadow();
         posed_time_s = time_s;
     }
 
-    void add_person(std::size_t camera_index, image::Mask* true_mask) {
+    void add_people(std::size_t camera_index, image::Mask* true_mask) {
         const RoomView& view = views[camera_index];
         darken(view, shadow, 0, view.shadow_index.size(), bgr.data());
-        const image::PixelRect region = region_of(cameras[camera_index], skin);
+        const image::PixelRect region = region_of(cameras[camera_index], skins);
         if (region.empty()) return;
         const std::span<const std::uint8_t> rgba = painter.draw(cameras[camera_index], region);
         for (int y = 0; y < region.height; ++y) {
@@ -149,16 +160,20 @@ RoomRenderer::~RoomRenderer() = default;
 Expected<RoomRenderer> RoomRenderer::create(std::vector<geometry::CalibratedCamera> cameras,
                                             const RoomOptions& options) {
     if (auto valid = check_cameras(cameras); !valid) return tl::unexpected(valid.error());
-    std::optional<Person> person;
-    std::optional<Model> model;
-    if (options.model.empty()) {
-        auto made = Person::create(options);
-        if (!made) return tl::unexpected(made.error());
-        person = std::move(*made);
-    } else {
-        auto loaded = Model::load(options);
-        if (!loaded) return tl::unexpected(loaded.error());
-        model = std::move(*loaded);
+    if (auto valid = check(options); !valid) return tl::unexpected(valid.error());
+    std::vector<Person> people;
+    std::vector<Model> models;
+    for (int i = 0; i < options.num_people; ++i) {
+        const RoomOptions own = options_of_person(options, i);
+        if (options.model.empty()) {
+            auto made = Person::create(own);
+            if (!made) return tl::unexpected(made.error());
+            people.push_back(std::move(*made));
+        } else {
+            auto loaded = Model::load(own);
+            if (!loaded) return tl::unexpected(loaded.error());
+            models.push_back(std::move(*loaded));
+        }
     }
     int max_width = 0;
     int max_height = 0;
@@ -167,13 +182,13 @@ Expected<RoomRenderer> RoomRenderer::create(std::vector<geometry::CalibratedCame
         max_height = std::max(max_height, camera.intrinsics.height);
     }
     const Room room = make_room(cameras, options);
-    auto painter = model ? PersonPainter::create(*model, room, max_width, max_height)
-                         : PersonPainter::create(*person, room, max_width, max_height);
+    auto painter = models.empty() ? PersonPainter::create(people, room, max_width, max_height)
+                                  : PersonPainter::create(models, room, max_width, max_height);
     if (!painter) return tl::unexpected(painter.error());
     auto impl = std::make_unique<Impl>(std::move(cameras),
                                        options,
-                                       std::move(person),
-                                       std::move(model),
+                                       std::move(people),
+                                       std::move(models),
                                        room,
                                        std::move(*painter));
     for (const geometry::CalibratedCamera& camera : impl->cameras) {
@@ -194,7 +209,7 @@ void RoomRenderer::render(double time_s,
     if (true_mask != nullptr) *true_mask = image::Mask(view.width, view.height);
     if (scene == Scene::kPerson) {
         impl_->pose(time_s);
-        impl_->add_person(camera_index, true_mask);
+        impl_->add_people(camera_index, true_mask);
     }
     const std::uint64_t picture = std::bit_cast<std::uint64_t>(time_s) * 0x9e3779b97f4a7c15ull +
                                   (static_cast<std::uint64_t>(shot) << 20) + 2 * camera_index +
@@ -207,10 +222,11 @@ void RoomRenderer::render(double time_s,
     image::yuv_from_bgr(impl_->bgr.data(), view.width, view.height, row_bytes, out);
 }
 
-const Person& RoomRenderer::person() const {
-    assert(impl_->person);
-    return *impl_->person;
+const Person& RoomRenderer::person(std::size_t index) const {
+    assert(index < impl_->people.size());
+    return impl_->people[index];
 }
+
 const std::vector<geometry::CalibratedCamera>& RoomRenderer::cameras() const {
     return impl_->cameras;
 }

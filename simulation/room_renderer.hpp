@@ -15,11 +15,11 @@ namespace atrium::simulation {
 enum class Scene : std::uint8_t { kEmptyRoom, kPerson };
 
 /// Renders pictures of a simulated room as the cameras of a rig would deliver them: with lens
-/// distortion, shadow of the person on floor and walls, soft edges and noise. The same arguments
+/// distortion, shadows of people on floor and walls, soft edges and noise. The same arguments
 /// give the same bytes.
 ///
-/// Needs no display. Owns a GL context and scratch memory: use an object on one thread only;
-/// several objects may work in parallel.
+/// Needs no display. Owns a GL context and scratch memory: use an object on one thread only.
+/// Several objects may share a thread, or work in parallel.
 class RoomRenderer {
 public:
     /// `cameras` are in the site frame, with even width and height. Views the empty room once: some
@@ -33,7 +33,7 @@ public:
     ~RoomRenderer();
 
     /// Renders the picture of camera `camera_index` at `time_s`. `shot` distinguishes the noise of
-    /// pictures of one instant. `true_mask`, if given, receives the pixels that the person covers
+    /// pictures of one instant. `true_mask`, if given, receives the pixels that people cover
     /// by at least half, before noise. Fastest if all cameras of an instant follow each other.
     /// Resizes planes only when sizes change.
     void render(double time_s,
@@ -43,8 +43,9 @@ public:
                 image::YuvImage& out,
                 image::Mask* true_mask = nullptr);
 
-    /// Only without `RoomOptions::model`.
-    const Person& person() const;
+    /// The person as it is at `time_s` of `render`; only without `RoomOptions::model`. Those after
+    /// the first are ahead of it in their motion.
+    const Person& person(std::size_t index = 0) const;
     const std::vector<geometry::CalibratedCamera>& cameras() const;
 
 private:

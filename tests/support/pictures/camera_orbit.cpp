@@ -122,11 +122,11 @@ Expected<void> draw_truth(std::span<const geometry::CalibratedCamera> room_camer
         height = std::max(height, camera.intrinsics.height);
     }
     auto painter = simulation::PersonPainter::create(
-        *person, simulation::make_room(room_cameras, options), width, height);
+        std::span(&*person, 1), simulation::make_room(room_cameras, options), width, height);
     if (!painter) return tl::unexpected(painter.error());
     simulation::PosedSkin skin;
     person->pose(time_s, skin);
-    painter->set_pose(skin);
+    painter->set_pose(0, skin);
     for (const geometry::CalibratedCamera& camera : cameras) {
         const geometry::PinholeCamera& lens = camera.intrinsics;
         take(camera, painter->draw(camera, {0, 0, lens.width, lens.height}));

@@ -194,6 +194,13 @@ TEST(RoomOptions, NamesTheWrongOptionAndAllowedValues) {
                 testing::AllOf(HasSubstr("simulation.look"), HasSubstr("ada"), HasSubstr("zoe")));
     EXPECT_THAT(message_for([](auto& o) { o.motion = "fly"; }),
                 testing::AllOf(HasSubstr("motion"), HasSubstr("push")));
+    EXPECT_THAT(message_for([](auto& o) { o.num_people = 5; }),
+                HasSubstr("people: must be 1 to 4"));
+    EXPECT_THAT(message_for([](auto& o) {
+                    o.num_people = 2;
+                    o.motion = "table_hands";
+                }),
+                HasSubstr("for one person"));
     EXPECT_THAT(message_for([](auto& o) { o.rate_hz = 0.0; }), HasSubstr("rate_hz"));
     EXPECT_THAT(message_for([](auto& o) { o.loop_s = std::numeric_limits<double>::quiet_NaN(); }),
                 HasSubstr("loop_s"));

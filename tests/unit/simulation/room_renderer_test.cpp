@@ -78,8 +78,22 @@ std::size_t num_set(const image::Mask& mask) {
     return static_cast<std::size_t>(std::count(mask.data.begin(), mask.data.end(), 255));
 }
 
-void expect_mask_is_projection(RoomRenderer& renderer) {
-    const geometry::TriangleMesh truth = renderer.person().mesh(kTimeS);
+// All people at `kTimeS`. Each is further ahead in a loop of `lead_s`.
+geometry::TriangleMesh truth_of(const RoomRenderer& renderer, int num_people, double lead_s) {
+    geometry::TriangleMesh all;
+    for (int i = 0; i < num_people; ++i) {
+        const geometry::TriangleMesh one =
+            renderer.person(static_cast<std::size_t>(i)).mesh(kTimeS + i * lead_s);
+        const auto first = static_cast<std::uint32_t>(all.vertices.size());
+        all.vertices.insert(all.vertices.end(), one.vertices.begin(), one.vertices.end());
+        for (const auto& [a, b, c] : one.triangles)
+            all.triangles.push_back({first + a, first + b, first + c});
+    }
+    return all;
+}
+
+void expect_mask_is_projection(RoomRenderer& renderer, int num_people = 1, double lead_s = 0.0) {
+    const geometry::TriangleMesh truth = truth_of(renderer, num_people, lead_s);
     for (std::size_t i = 0; i < renderer.cameras().size(); ++i) {
         image::YuvImage picture;
         image::Mask mask;
@@ -144,6 +158,66 @@ std::unique_ptr<RoomRenderer> RoomRendererTest::renderer;
 
 TEST_F(RoomRendererTest, TrueMaskIsTheProjectionOfTheGroundTruth) {
     expect_mask_is_projection(*renderer);
+}
+
+TEST(RoomRendererPeople, TrueMaskIsTheProjectionOfAll) {
+    RoomOptions options;
+    options.motion = "stroll";
+    for (int num_people = 2; num_people <= kMaxPeople; ++num_people) {
+        SCOPED_TRACE(num_people);
+        options.num_people = num_people;
+        RoomRenderer renderer = make_renderer(ring(3), options);
+        expect_mask_is_projection(renderer, num_people, 0.12 * options.loop_s);
+        const geometry::TriangleMesh& mesh = renderer.person(1).mesh(kTimeS);
+        EXPECT_NE(renderer.person(0).look().name, renderer.person(1).look().name);
+        EXPECT_GT((mesh.vertices.front() - renderer.person(0).mesh(kTimeS).vertices.front()).norm(),
+                  1.0);
+    }
+}
+
+// Where two people overlap in a picture, it is that of the nearer one alone.
+TEST(RoomRendererPeople, TheNearerOneCoversTheOther) {
+    RoomOptions options;
+    options.num_people = 2;
+    options.motion = "walk";
+    options.noise_lsb = 0.0;
+    const std::vector<geometry::CalibratedCamera> cameras = ring(8);
+    RoomRenderer both = make_renderer(cameras, options);
+    const std::array<RoomOptions, 2> own = {options_of_person(options, 0),
+                                            options_of_person(options, 1)};
+    std::array<RoomRenderer, 2> alone = {make_renderer(cameras, own[0]),
+                                         make_renderer(cameras, own[1])};
+    const std::array<double, 2> time_s = {kTimeS, kTimeS + 0.12 * options.loop_s};
+    int num_told_apart = 0;
+    for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
+        std::array<image::YuvImage, 2> pictures;
+        std::array<image::Mask, 2> masks;
+        for (std::size_t i = 0; i < 2; ++i)
+            alone[i].render(time_s[i], camera, Scene::kPerson, 0, pictures[i], &masks[i]);
+        image::YuvImage picture;
+        both.render(kTimeS, camera, Scene::kPerson, 0, picture);
+        const Eigen::Vector3d centre = cameras[camera].centre_site();
+        const std::size_t nearer =
+            (own[0].position_m - centre).norm() < (own[1].position_m - centre).norm() ? 0 : 1;
+        int num = 0;
+        int num_wrong = 0;
+        for (int y = 0; y < picture.height(); ++y) {
+            for (int x = 0; x < picture.width(); ++x) {
+                if (masks[1 - nearer].at(x, y) == 0 || masks[nearer].at(x, y) == 0) continue;
+                const int near = pictures[nearer].y.at(x, y);
+                const int far = pictures[1 - nearer].y.at(x, y);
+                // each lamp hangs over its room's middle, so that shades differ
+                constexpr int kShades = 50;
+                if (std::abs(near - far) < kShades) continue;
+                ++num;
+                const int seen = picture.y.at(x, y);
+                num_wrong += std::abs(seen - near) > std::abs(seen - far) ? 1 : 0;
+            }
+        }
+        EXPECT_LE(num_wrong, num / 20) << "camera " << camera << ": outlines of " << num;
+        num_told_apart += num;
+    }
+    EXPECT_GT(num_told_apart, 500);
 }
 
 TEST_F(RoomRendererTest, TrueMaskOfTheEmptyRoomIsEmpty) {

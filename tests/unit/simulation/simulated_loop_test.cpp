@@ -231,6 +231,7 @@ TEST_F(LoopCache, SeparatesLoopsByRoomAndRig) {
         change(options);
         others.push_back(cache_file(cameras_, options, folder_));
     };
+    with([](auto& o) { o.num_people = 2; });
     with([](auto& o) { o.look = "ben"; });
     with([](auto& o) { o.motion = "push"; });
     with([](auto& o) { o.loop_s = 0.25; });
