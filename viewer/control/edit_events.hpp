@@ -15,6 +15,7 @@ struct NewModel {
     bool is_compound = false;  // one hull per part of the file, else one around everything
     double mass_kg = 1.0;      // 0: fixed
     Eigen::Vector3d size_m = Eigen::Vector3d::Ones();  // as far as known
+    std::optional<Eigen::Vector3d> colour{};  // of its file, linear RGB; none: the usual grey
 };
 
 /// A pose that the user types, or drags a number of.

@@ -147,6 +147,7 @@ bus::SceneObject make_object(const NewModel& wanted,
         unused_name(valid_name(wanted.file.substr(begin, end - begin), object.shape), objects);
     object.model = wanted.file;
     object.model_scale = wanted.scale;
+    object.colour = wanted.colour.value_or(object.colour);
     object.size_m = (wanted.scale * wanted.size_m).cwiseMax(kMinSizeM);
     object.mass_kg = std::clamp(wanted.mass_kg, 0.0, 1000.0);
     object.world_from_object.translation =

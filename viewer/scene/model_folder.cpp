@@ -79,6 +79,7 @@ ModelSize ModelFolder::measure_file(const fs::path& file) {
     }
     size.num_parts = model::pieces_of(*parts, file).size();
     size.size_m = bounds.size();
+    size.colours = model::colours_of(*parts);
     size.preview = draw_preview(*parts);
     return size;
 }

@@ -24,6 +24,7 @@ struct ModelSize {
     Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // extents along x, y, z
     std::size_t num_triangles = 0;
     std::size_t num_parts = 0;
+    std::vector<Eigen::Vector3d> colours;  // different ones that the file states, linear RGB
     ModelPreview preview;
     std::string error;  // why the file cannot be read; empty: it can
 };

@@ -73,6 +73,8 @@ void draw_measured(const ModelSize* size, double scale) {
                        size->num_triangles,
                        size->num_parts,
                        size->num_parts == 1 ? "" : "s");
+    if (size->colours.size() > 1)
+        draw_wrapped(fmt::format("its {} colours are drawn in one grey", size->colours.size()));
     if (scaled.maxCoeff() <= kLargestUsual_m) return;
     const double in_cm_m = 0.01 * scaled.maxCoeff();
     ImGui::TextColored(kHintColour,
@@ -143,6 +145,8 @@ void WorldPanel::draw_models(const HudContent& content, SurfaceEvents& events) {
         wanted.is_compound = is_compound_;
         wanted.mass_kg = is_fixed_ ? 0.0 : static_cast<double>(mass_kg_);
         wanted.size_m = content.model_size->size_m;
+        if (content.model_size->colours.size() == 1)
+            wanted.colour = content.model_size->colours.front();
         events.edit.add_model = wanted;
     }
     ImGui::EndDisabled();

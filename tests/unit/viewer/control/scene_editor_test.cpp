@@ -100,6 +100,16 @@ bus::SceneObject painted_beam() {
     return beam;
 }
 
+TEST(NewObject, HasTheColourOfItsModel) {
+    const renderer::EyeView eye = renderer::eye_of(kEditorView, 640, 360);
+    NewModel pot;
+    pot.file = "pots/pot.obj";
+    EXPECT_EQ(make_object(pot, eye).colour, bus::SceneObject().colour);
+    pot.colour = Eigen::Vector3d(0.8, 0.1, 0.2);
+    EXPECT_EQ(make_object(pot, eye).colour, *pot.colour);
+    EXPECT_EQ(make_object(pot, eye).name, "pot");
+}
+
 TEST(CopyOfAnObject, HasAllOfTheOriginalButNumberNameAndPlace) {
     const renderer::EyeView eye = renderer::eye_of(kEditorView, 640, 360);
     const bus::SceneObject beam = painted_beam();

@@ -22,7 +22,9 @@ TEST(ModelFolder, ListsModelsOfAllFoldersAndMeasuresThem) {
         std::ofstream(root / name) << text;
     };
     put("models/tetra.obj",
-        "v 0 0 0\nv 2 0 0\nv 0 0.5 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+        "mtllib tetra.mtl\nv 0 0 0\nv 2 0 0\nv 0 0.5 0\nv 0 0 1\nusemtl red\nf 1 3 2\nf 1 2 4\nf 1 "
+        "4 3\nf 2 3 4\n");
+    put("models/tetra.mtl", "newmtl red\nKd 0.8 0.1 0.2\n");
     put("models/deep/broken.obj", "v 0 0 0\nf 1 2 900\n");
     put("models/paint.png", "a picture");
     put("models/a name.obj", "");
@@ -50,6 +52,10 @@ TEST(ModelFolder, ListsModelsOfAllFoldersAndMeasuresThem) {
     }));
     EXPECT_TRUE(folder.size_of("models/tetra.obj")->size_m.isApprox(Eigen::Vector3d(2, 0.5, 1)));
     EXPECT_EQ(folder.size_of("models/tetra.obj")->num_triangles, 4U);
+    ASSERT_EQ(folder.size_of("models/tetra.obj")->colours.size(), 1U);
+    EXPECT_TRUE(folder.size_of("models/tetra.obj")
+                    ->colours.front()
+                    .isApprox(Eigen::Vector3d(0.8, 0.1, 0.2), 1e-6));
     EXPECT_FALSE(folder.size_of("models/tetra.obj")->preview.greys.empty());
     EXPECT_TRUE(folder.size_of("models/deep/broken.obj")->preview.greys.empty());
     EXPECT_THAT(folder.size_of("models/deep/broken.obj")->error, testing::HasSubstr("broken.obj"));
