@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -77,20 +78,35 @@ tl::unexpected<Error> turned(const std::vector<const ForeignCamera*>& cameras,
                     others.empty() ? "" : "; the same with " + listed(others)));
 }
 
+// Of the undistorted pictures that COLMAP makes, each camera's has a size of its own.
+std::string doubt_of_undistorted(const ForeignRig& rig) {
+    const bool has_distortion = std::ranges::any_of(rig.cameras, [](const ForeignCamera& camera) {
+        return std::ranges::any_of(camera.lens.distortion, [](double k) { return k != 0.0; });
+    });
+    if (rig.format != "COLMAP" || has_distortion) return {};
+    return "the lenses of this model have no distortion: if it is of the pictures that `colmap "
+           "image_undistorter` made (dense/), give the model of those that the cameras took "
+           "(sparse/0), or the undistorted ones as --recording";
+}
+
 // Scaled pictures have the shape of the calibration, and --size refuses much of another one.
-Error another_size(const ForeignCamera& camera, const Look& look, const std::string& format) {
+Error another_size(const ForeignCamera& camera,
+                   const Look& look,
+                   const std::string& format,
+                   const std::string& undistorted) {
     const std::array size{look.width, look.height};
     const double difference = shape_difference({camera.lens.width, camera.lens.height}, size);
     const std::string scaled = fmt::format(
         "if they show the whole picture, scaled, say --size {}x{}", look.width, look.height);
     const std::string cropped = cure_of_crop(format, size);
     return {ErrorKind::kConfiguration,
-            fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px; {}",
+            fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px; {}{}",
                         camera.known_name(),
                         camera.lens.width,
                         camera.lens.height,
                         look.width,
                         look.height,
+                        undistorted.empty() ? "" : undistorted + "; otherwise ",
                         difference == 0.0
                             ? fmt::format("{}; if they were cropped, {}", scaled, cropped)
                             : fmt::format("their shapes differ by {:.2g} %, so they look cropped: "
@@ -103,11 +119,12 @@ Error another_size(const ForeignCamera& camera, const Look& look, const std::str
 Expected<void> compare(ForeignCamera& camera,
                        const Look& look,
                        const Said& said,
-                       const std::string& format) {
+                       const std::string& format,
+                       const std::string& undistorted) {
     const bool is_unknown = camera.lens.width == 0 || camera.lens.height == 0;
     if (camera.lens.width == look.width && camera.lens.height == look.height) return {};
     if (!is_unknown && !said.size && !said.calibrated_size)
-        return tl::unexpected(another_size(camera, look, format));
+        return tl::unexpected(another_size(camera, look, format, undistorted));
     if (said.size && *said.size != std::array{look.width, look.height}) {
         return make_error(
             ErrorKind::kConfiguration,
@@ -120,7 +137,26 @@ Expected<void> compare(ForeignCamera& camera,
                         look.width,
                         look.height));
     }
-    return set_picture_size(camera, {look.width, look.height});
+    auto scaled = set_picture_size(camera, {look.width, look.height});
+    if (!scaled && !undistorted.empty()) scaled.error().message += "; " + undistorted;
+    return scaled;
+}
+
+// Scaled pictures hide that a model is of undistorted ones.
+void check_undistorted(ForeignRig& rig, const ForeignRig& before, const std::string& undistorted) {
+    const auto size_of = [](const ForeignCamera& camera) {
+        return std::array{camera.lens.width, camera.lens.height};
+    };
+    const auto differs = [&](const ForeignRig& cameras) {
+        return std::ranges::any_of(cameras.cameras, [&](const ForeignCamera& camera) {
+            return size_of(camera) != size_of(cameras.cameras.front());
+        });
+    };
+    if (undistorted.empty() || !differs(before) || differs(rig)) return;
+    rig.checks.push_back(
+        fmt::format("size: each camera has another size in the model, but not in its pictures; {}, "
+                    "and leave --size out",
+                    undistorted));
 }
 
 }  // namespace
@@ -135,14 +171,16 @@ Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Sa
     }
     if (!on_their_side.empty()) return turned(on_their_side, material);
     const ForeignRig before = rig;
+    const std::string undistorted = doubt_of_undistorted(rig);
     for (ForeignCamera& camera : rig.cameras) {
         const auto look = material.looks.find(camera.name);
         if (look == material.looks.end()) continue;
-        if (auto compared = compare(camera, look->second, said, rig.format); !compared)
+        if (auto compared = compare(camera, look->second, said, rig.format, undistorted); !compared)
             return compared;
     }
     if (std::string doubt = doubt_of_shapes(before, rig); !doubt.empty())
         rig.problems.push_back(std::move(doubt));
+    check_undistorted(rig, before, undistorted);
     return {};
 }
 

@@ -37,6 +37,8 @@ Expected<std::size_t> Concluder::index_of(const std::string& name) const {
         if (cameras[i].name == name) return i;
     std::vector<std::string> names;
     for (const auto& camera : cameras) names.push_back(camera.known_name());
+    for (const Walked& camera : foreign_.walked)
+        if (composed(camera.name) == composed(name)) return needs(camera.problem);
     return needs(fmt::format("no camera '{}' in the calibration; it has {}",
                              name,
                              fmt::join(in_natural_order(names), ", ")));

@@ -290,5 +290,111 @@ TEST_F(OtherCameras, KnowsCamerasOfColmapByTheFoldersThatDiffer) {
     }
 }
 
+// COLMAP misplaced one picture of ten: the others say where the camera is.
+TEST_F(OtherCameras, PicturesThatColmapMisplacedAreLeftOut) {
+    const std::string images = test::colmap_images_txt(cameras_, 1.0);
+    const std::size_t start = images.find("1 ", images.find("lines of data"));
+    const std::string line = images.substr(start, images.find('\n', start) - start);
+    ASSERT_TRUE(line.ends_with("cam1/0001.jpg")) << line;
+    std::string more = images;
+    for (int i = 2; i <= 10; ++i) {
+        std::string other = line;
+        other.replace(other.find("0001.jpg"), 8, fmt::format("{:04}.jpg", i));
+        // the first one of the file is the odd one
+        const std::string moved = "1 1 0 0 0 9 9 9 1 cam1/0001.jpg";
+        more = i == 2 ? moved + "\n\n" + other + "\n" + images.substr(images.find('\n', start) + 1)
+                      : more + other + "\n\n";
+    }
+    folder_.write("model/cameras.txt", test::colmap_cameras_txt(cameras_));
+    folder_.write("model/images.txt", more);
+    const auto rig = read_foreign({folder_.path() / "model"}, "auto", {});
+    ASSERT_TRUE(rig) << rig.error().message;
+    ASSERT_EQ(rig->cameras.size(), 3U);
+    EXPECT_THAT(rig->checks,
+                ElementsAre(AllOf(HasSubstr("camera 'cam1': 9 of its 10 images stand in one place"),
+                                  HasSubstr("not cam1/0001.jpg: COLMAP erred there"))));
+    for (const ForeignCamera& camera : rig->cameras) {
+        if (camera.name != "cam1") continue;
+        const auto& truth = cameras_.front().camera_from_site.translation;
+        EXPECT_LT((camera.pose->vector - truth).norm(), 1e-9);
+    }
+}
+
+TEST_F(OtherCameras, OneThatIsLeftOutMeasuresNothing) {
+    write_model("phone", 0.2);
+    options_.recording.clear();
+    options_.output = folder_.path() / "rig.toml";
+    options_.said.distance = Said::Distance{"phone", "cam2", 2.0};
+    const auto report = import(options_);
+    ASSERT_FALSE(report);
+    EXPECT_THAT(report.error().message,
+                AllOf(HasSubstr("camera 'phone': its 9 images stand up to "),
+                      HasSubstr("so it moved: left out")));
+}
+
+// Of a text and a binary model in one folder the newer one counts, and the other is named.
+TEST_F(OtherCameras, TheNewerOfTwoModelsOfColmapIsRead) {
+    namespace fs = std::filesystem;
+    auto other = cameras_;
+    for (auto& camera : other) camera.intrinsics.fx *= 1.08;
+    const fs::path folder = folder_.path() / "model";
+    folder_.write("model/cameras.bin", test::colmap_cameras_bin(other));
+    const fs::path binary = folder_.write("model/images.bin", test::colmap_images_bin(other));
+    folder_.write("model/cameras.txt", test::colmap_cameras_txt(cameras_));
+    const fs::path text = folder_.write("model/images.txt", test::colmap_images_txt(cameras_, 1.0));
+    const auto focal_length = [&](const fs::path& given, const char* said) {
+        const auto rig = read_foreign({given}, "auto", {});
+        EXPECT_TRUE(rig) << rig.error().message;
+        EXPECT_EQ(rig->checks.size(), said == nullptr ? 0U : 1U);
+        if (said != nullptr) {
+            EXPECT_THAT(rig->checks, ElementsAre(HasSubstr(said)));
+        }
+        return rig->cameras.front().lens.fx;
+    };
+    const double right = cameras_.front().intrinsics.fx;
+    const auto now = fs::file_time_type::clock::now();
+    for (const bool is_text_newer : {true, false}) {
+        fs::last_write_time(text, now);
+        fs::last_write_time(binary, now + std::chrono::hours(is_text_newer ? -24 : 24));
+        EXPECT_NEAR(
+            focal_length(folder,
+                         is_text_newer ? "cameras.txt and images.txt are newer and were read"
+                                       : "cameras.bin and images.bin are newer"),
+            is_text_newer ? right : 1.08 * right,
+            1e-6);
+    }
+    EXPECT_NEAR(focal_length(folder / "cameras.txt", nullptr), right, 1e-6);
+    folder_.write("model/cameras.bin", test::colmap_cameras_bin(cameras_));
+    EXPECT_NEAR(focal_length(folder, nullptr), right, 1e-6) << "two files of one model";
+}
+
+// Undistorted pictures have sizes of their own; those of the cameras are not cropped.
+TEST_F(OtherCameras, AModelOfUndistortedPicturesIsNamed) {
+    const std::vector<std::array<int, 2>> sizes{{70, 52}, {68, 51}, {64, 48}};
+    auto undistorted = cameras_;
+    for (std::size_t i = 0; i < 3; ++i) {
+        geometry::PinholeCamera& lens = undistorted[i].intrinsics;
+        lens.distortion = {};
+        lens.width = sizes[i][0];
+        lens.height = sizes[i][1];
+    }
+    folder_.write("model/cameras.txt", test::colmap_cameras_txt(undistorted));
+    folder_.write("model/images.txt", test::colmap_images_txt(undistorted, 1.0));
+    options_.files = {folder_.path() / "model"};
+    options_.said.distance = Said::Distance{"cam1", "cam2", 2.0};
+    for (int camera = 1; camera <= 3; ++camera)
+        write_picture(take(fmt::format("cam{}/frame_000001.png", camera)), 64, 48, 40);
+    const auto refused = import(options_);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message,
+                AllOf(HasSubstr("calibrated at 70x52 px"),
+                      HasSubstr("`colmap image_undistorter` made (dense/)"),
+                      HasSubstr("(sparse/0)")));
+    options_.said.size = {64, 48};
+    const auto scaled = import(options_);
+    ASSERT_TRUE(scaled) << scaled.error().message;
+    EXPECT_THAT(scaled->checks, Contains(HasSubstr("leave --size out")));
+}
+
 }  // namespace
 }  // namespace atrium::calibrate
