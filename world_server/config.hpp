@@ -27,6 +27,7 @@ struct WorldServerConfig : WorldDescription {
     std::filesystem::path saved_folder;  // of saved worlds; empty: none
     int max_saved = 64;
     std::string loaded{};  // saved world that the description is from; empty: the world file
+    std::uint64_t world_file_hash = 0;  // of what the world file describes; 0: not known yet
 };
 
 /// Declares every plain option; `config` must outlive `set`.

@@ -66,6 +66,7 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
     }
     scene.world_description_ = std::make_shared<const WorldDescription>(config);
     scene.loaded_ = config.loaded;
+    scene.world_file_hash_ = config.world_file_hash;
     scene.num_described_ = static_cast<std::uint32_t>(config.objects.size() + config.soft.size());
     scene.description_ = scene.hash_description();
     return scene;
@@ -116,6 +117,7 @@ void Scene::save(SavedWorld& saved) {
     saved.added.clear();
     saved.edited.clear();
     saved.loaded = loaded_;
+    saved.world_file = world_file_hash_;
     for (const auto& [id, object] : objects_) {
         if (id > num_described_)
             saved.added.push_back(object);

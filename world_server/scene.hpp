@@ -66,6 +66,8 @@ public:
 
     /// The world that this scene was created from.
     const WorldDescription& description() const { return *world_description_; }
+    /// Hash of what is described, as far as a saved state depends on it.
+    std::uint64_t description_hash() const { return description_; }
     /// Name of the saved world that this scene was loaded from; empty: the server's own.
     const std::string& loaded() const { return loaded_; }
     /// Rigid objects as they are now: joined ones at their start, the others where they are.
@@ -135,6 +137,7 @@ private:
     std::vector<std::uint32_t> removed_order_;  // oldest first
     std::uint32_t num_described_ = 0;           // ids 1 .. num_described_ belong to the world file
     std::uint64_t description_ = 0;             // hash of the described objects
+    std::uint64_t world_file_hash_ = 0;         // see WorldServerConfig
     std::uint32_t next_id_ = 1000;
     std::vector<physics::RigidState> states_;  // scratch, like nodes_
     std::vector<Eigen::Vector3f> nodes_;

@@ -14,13 +14,13 @@
 // Header of 28 bytes: magic (8), version (4), length of the rest (8), FNV-1a hash of the rest (8).
 // The rest: description, tick, next id, then three lists, each preceded by its length: objects,
 // soft objects, added objects. Since version 2 also edited objects and the name of the loaded
-// world. All numbers are little endian, IEEE 754.
+// world, since version 3 the hash of the world file. All numbers are little endian, IEEE 754.
 namespace atrium::world_server {
 namespace {
 
 constexpr std::string_view kMagic = "ATRIUMWS";
-constexpr std::uint32_t kVersion = 2;
-constexpr std::uint32_t kOldVersion = 1;  // without edited objects and the loaded world
+constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kFirstVersion = 1;  // the last without edited objects and loaded world
 constexpr std::size_t kHeaderBytes = 28;
 constexpr std::size_t kMaxObjects = bus::kMaxObjects;
 
@@ -231,6 +231,7 @@ std::vector<std::uint8_t> encode(const SavedWorld& world) {
     put_list(world.added);
     put_list(world.edited);
     body.text(world.loaded);
+    body.integer(world.world_file);
 
     ByteWriter out;
     out.bytes.assign(kMagic.begin(), kMagic.end());
@@ -248,7 +249,7 @@ Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
     }
     ByteReader header(bytes.subspan(kMagic.size(), kHeaderBytes - kMagic.size()));
     const auto version = header.integer<std::uint32_t>();
-    if (version != kVersion && version != kOldVersion) {
+    if (version < kFirstVersion || version > kVersion) {
         return wrong(fmt::format("has version {}, this program supports {}", version, kVersion));
     }
     const auto size = header.integer<std::uint64_t>();
@@ -274,12 +275,13 @@ Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
     for (std::size_t n = in.count(kMaxObjects, kAddedBytes); n > 0 && in.is_good(); --n) {
         world.added.push_back(get_object(in));
     }
-    const bool has_edited = version != kOldVersion;
+    const bool has_edited = version > kFirstVersion;
     for (std::size_t n = has_edited ? in.count(kMaxObjects, kAddedBytes) : 0; n > 0 && in.is_good();
          --n) {
         world.edited.push_back(get_object(in));
     }
     if (has_edited) world.loaded = in.text(bus::kMaxNameLength);
+    if (version >= 3) world.world_file = in.integer<std::uint64_t>();
     if (!in.is_at_end()) return wrong("its parts do not match its length");
     if (const auto valid = check(world); !valid) return tl::unexpected(valid.error());
     return world;

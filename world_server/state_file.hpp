@@ -20,6 +20,7 @@ struct SavedWorld {
     std::vector<bus::SceneObject> added;  // added by commands, in full
     std::vector<bus::SceneObject> edited;  // described objects that were edited, in full
     std::string loaded;                    // saved world that the description is from; empty: none
+    std::uint64_t world_file = 0;          // hash of the server's own description; 0: not known
     physics::WorldState state;
 };
 

@@ -3,6 +3,8 @@
 #include "core/app/log.hpp"
 #include "world_server/saved_worlds.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 namespace atrium::world_server {
@@ -34,6 +36,12 @@ namespace {
 Expected<WorldServerConfig> description_of(const SavedWorld& saved,
                                            const WorldServerConfig& config) {
     if (saved.loaded.empty()) return config;
+    if (saved.world_file != 0 && saved.world_file != config.world_file_hash) {
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("world state: is of the saved world '{}', but the world file "
+                                      "was changed since that was loaded",
+                                      saved.loaded));
+    }
     const SavedWorldsFolder folder(config.saved_folder, static_cast<std::size_t>(config.max_saved));
     return folder.load(saved.loaded, config);
 }
@@ -69,9 +77,16 @@ Expected<Scene> start_scene(const WorldServerConfig& config, Scene described) {
         return described;
     }
     if (!*saved) return described;
-    app::log::info("state_restored file={} tick={}",
+    const std::string& loaded = (*saved)->loaded();
+    app::log::info("state_restored file={} tick={}{}",
                    config.state_file.string(),
-                   (*saved)->world().counters().num_ticks);
+                   (*saved)->world().counters().num_ticks,
+                   loaded.empty() ? ""
+                                  : fmt::format(" saved_world={} reason=\"it was loaded before, so "
+                                                "the objects are its own, not those of the world "
+                                                "file\" advice=\"delete the state file to begin "
+                                                "with the world file\"",
+                                                loaded));
     return std::move(**saved);
 }
 

@@ -318,13 +318,15 @@ bus::WorldStatus WorldServer::Impl::status() const {
 WorldServer::WorldServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 WorldServer::~WorldServer() = default;
 
-Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConfig& config,
+Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConfig& given,
                                                            std::stop_token stop) {
-    if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());
-    const SavedWorldsFolder folder(config.saved_folder, static_cast<std::size_t>(config.max_saved));
+    if (const auto valid = check(given); !valid) return tl::unexpected(valid.error());
+    const SavedWorldsFolder folder(given.saved_folder, static_cast<std::size_t>(given.max_saved));
     if (const auto open = folder.open(); !open) return tl::unexpected(open.error());
-    auto described = Scene::create(config);
+    auto described = Scene::create(given);
     if (!described) return tl::unexpected(described.error());
+    WorldServerConfig config = given;
+    config.world_file_hash = described->description_hash();
     auto endpoints = Endpoints::create(config.bus);
     if (!endpoints) return tl::unexpected(endpoints.error());
     const auto loss = std::make_shared<Loss>();
@@ -344,7 +346,7 @@ Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConf
     // only now: the state file belongs to the server that holds the name
     auto scene = start_scene(config, std::move(*described));
     if (!scene) return tl::unexpected(scene.error());
-    for (const std::string& doubt : doubts_about(config, config.tick_hz))
+    for (const std::string& doubt : doubts_about(scene->description(), config.tick_hz))
         app::log::warn("{}", doubt);
     const std::size_t num_soft = scene->num_soft();
     app::log::info("running world={} objects={} soft={}",

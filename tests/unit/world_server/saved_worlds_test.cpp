@@ -5,6 +5,7 @@
 #include "world_server/description/doubts.hpp"
 #include "world_server/description/world_text.hpp"
 #include "world_server/scene.hpp"
+#include "world_server/state_saver.hpp"
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
@@ -308,6 +309,46 @@ TEST_F(SavedWorldFiles, AFullDiskKeepsTheOldFileAndTellsWhy) {
     std::string line;
     std::getline(in, line);
     EXPECT_EQ(line, "[world]");
+}
+
+// The state of a saved world that was loaded goes on, unless the world file was changed since.
+TEST_F(SavedWorldFiles, StateOfALoadedWorldHoldsForItsWorldFile) {
+    fs::create_directories(folder_);
+    const auto file = [&](const std::string& name) {
+        std::ofstream(folder_ / "room.toml") << "[[object]]\nname = \"" << name
+                                             << "\"\nshape = \"box\"\nsize_m = [1, 1, 1]\n"
+                                                "mass_kg = 0\n";
+        WorldServerConfig config = *test_support::load_world(folder_ / "room.toml");
+        config.saved_folder = folder_ / "saved";
+        config.state_file = folder_ / "world.state";
+        config.world_file_hash = Scene::create(config)->description_hash();
+        return config;
+    };
+    const WorldServerConfig config = file("shelf");
+    const SavedWorldsFolder saved(config.saved_folder, 8);
+    ASSERT_TRUE(saved.open());
+    ASSERT_TRUE(saved.save("tour",
+                           "[[object]]\nname = \"bust\"\nshape = \"sphere\"\ndiameter_m = 0.2\n"
+                           "mass_kg = 3\n"));
+    const auto loaded = saved.load("tour", config);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    auto scene = Scene::create(*loaded);
+    ASSERT_TRUE(scene);
+    SavedWorld state;
+    scene->save(state);
+    ASSERT_TRUE(StateSaver(config.state_file).save(state));
+
+    const auto back = load_scene(config);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ((*back)->loaded(), "tour");
+    EXPECT_EQ((*back)->objects().front().name, "bust");
+    const auto changed = load_scene(file("bench"));
+    ASSERT_FALSE(changed);
+    EXPECT_THAT(changed.error().message,
+                testing::AllOf(HasSubstr("saved world 'tour'"),
+                               HasSubstr("the world file was changed since"),
+                               HasSubstr("kept as")));
+    EXPECT_FALSE(*load_scene(config)) << "no file must remain";
 }
 
 }  // namespace

@@ -90,6 +90,7 @@ SavedWorld random_world(Random& random, std::size_t max_objects) {
     for (std::size_t n = random() % 4; n > 0; --n)
         world.edited.push_back(random_object(random, id += 1));
     if (random() % 2 == 0) world.loaded = "saved-room";
+    world.world_file = random();
     return world;
 }
 
@@ -109,30 +110,34 @@ TEST(StateCodec, RoundTripIsExact) {
             EXPECT_EQ(back->added[i].texture, world.added[i].texture);
         }
         EXPECT_EQ(back->loaded, world.loaded);
+        EXPECT_EQ(back->world_file, world.world_file);
         EXPECT_EQ(back->edited.size(), world.edited.size());
         EXPECT_EQ(encode(*back), bytes) << "a second encoding must have the same bits";
     }
 }
 
-// Version 1 had no edited objects and no loaded world.
-TEST(StateCodec, ReadsFilesOfVersionOne) {
+// Version 1 had no edited objects and no loaded world, version 2 no hash of the world file.
+TEST(StateCodec, ReadsFilesOfOlderVersions) {
     Random random(34);
     SavedWorld world = random_world(random, 6);
     world.edited.clear();
     world.loaded.clear();
-    auto bytes = encode(world);
-    bytes.resize(bytes.size() - 8);  // two counts of zero
-    bytes[8] = 1;
-    const std::uint64_t size = bytes.size() - 28;
-    const std::uint64_t hash = fnv1a<std::uint8_t>(std::span(bytes).subspan(28));
-    for (std::size_t i = 0; i < 8; ++i) {
-        bytes[12 + i] = static_cast<std::uint8_t>(size >> (8 * i));
-        bytes[20 + i] = static_cast<std::uint8_t>(hash >> (8 * i));
+    for (const auto& [version, num_missing] : {std::pair{2, 8}, {1, 16}}) {
+        auto bytes = encode(world);
+        bytes.resize(bytes.size() - static_cast<std::size_t>(num_missing));
+        bytes[8] = static_cast<std::uint8_t>(version);
+        const std::uint64_t size = bytes.size() - 28;
+        const std::uint64_t hash = fnv1a<std::uint8_t>(std::span(bytes).subspan(28));
+        for (std::size_t i = 0; i < 8; ++i) {
+            bytes[12 + i] = static_cast<std::uint8_t>(size >> (8 * i));
+            bytes[20 + i] = static_cast<std::uint8_t>(hash >> (8 * i));
+        }
+        const auto back = decode(bytes);
+        ASSERT_TRUE(back) << back.error().message;
+        EXPECT_EQ(back->state, world.state);
+        EXPECT_EQ(back->added.size(), world.added.size());
+        EXPECT_EQ(back->world_file, 0U);
     }
-    const auto back = decode(bytes);
-    ASSERT_TRUE(back) << back.error().message;
-    EXPECT_EQ(back->state, world.state);
-    EXPECT_EQ(back->added.size(), world.added.size());
 }
 
 TEST(StateCodec, RefusesEveryTruncationAndEveryFlippedBit) {
