@@ -75,20 +75,36 @@ renderer::ViewCamera view_from(const Eigen::Vector3d& to_eye,
     return camera;
 }
 
-// Whether nothing hides the head, the middle and the knees of anybody.
+// Whether nothing hides more of the head, the middle and the knees of anybody than `most_hidden`.
 bool is_free(const renderer::ViewCamera& camera,
              const FollowCamera::Places& people,
-             const Sight& sight) {
+             const std::function<double(const Ray&)>& free_m,
+             int most_hidden) {
     return std::ranges::all_of(people, [&](const auto& person) {
         const PersonPlace& place = person.second;
         const Eigen::Vector3d knees =
             place.middle - 0.25 * place.size.z() * Eigen::Vector3d::UnitZ();
-        return std::ranges::all_of(std::array{place.eyes, place.middle, knees},
-                                   [&](const Eigen::Vector3d& at) {
-                                       const Eigen::Vector3d way = camera.position_m - at;
-                                       return sight.free_m({at, way.normalized()}) >= way.norm();
-                                   });
+        const auto num_hidden = std::ranges::count_if(
+            std::array{place.eyes, place.middle, knees}, [&](const Eigen::Vector3d& at) {
+                const Eigen::Vector3d way = camera.position_m - at;
+                return free_m({at, way.normalized()}) < way.norm();
+            });
+        return num_hidden <= most_hidden;
     });
+}
+
+bool is_free_of_fixed(const renderer::ViewCamera& camera,
+                      const FollowCamera::Places& people,
+                      const Sight& sight) {
+    return is_free(camera, people, sight.free_m, 0);
+}
+
+// A ball before somebody's knees is no reason to go elsewhere.
+bool is_free_of_all(const renderer::ViewCamera& camera,
+                    const FollowCamera::Places& people,
+                    const Sight& sight) {
+    return is_free_of_fixed(camera, people, sight) &&
+           is_free(camera, people, sight.free_of_loose_m, 1);
 }
 
 // `to_eye` turned about the vertical, and raised to an angle above the floor.
@@ -107,7 +123,7 @@ renderer::ViewCamera view_of_people(const FollowCamera::Places& people,
                                     const Sight& sight) {
     const Eigen::Vector3d preferred = towards_eye(people, usual);
     const renderer::ViewCamera first = view_from(preferred, people, usual, aspect);
-    if (is_free(first, people, sight)) return first;
+    if (is_free_of_all(first, people, sight)) return first;
     const double usual_up = std::asin(std::clamp(preferred.z(), -1.0, 1.0));
     std::vector<Eigen::Vector3d> sides;  // the nearest to the preferred one first
     for (const double up : {usual_up, kRaised, kSteep}) {
@@ -117,9 +133,11 @@ renderer::ViewCamera view_of_people(const FollowCamera::Places& people,
             sides.push_back(turned(preferred, turn_rad, std::max(up, usual_up)));
         }
     }
-    for (const Eigen::Vector3d& side : sides) {
-        const renderer::ViewCamera camera = view_from(side, people, usual, aspect);
-        if (is_free(camera, people, sight)) return camera;
+    for (const auto& is_free_of : {is_free_of_all, is_free_of_fixed}) {
+        for (const Eigen::Vector3d& side : sides) {
+            const renderer::ViewCamera camera = view_from(side, people, usual, aspect);
+            if (is_free_of(camera, people, sight)) return camera;
+        }
     }
     // from the side on which it is free the furthest
     renderer::ViewCamera nearer = first;

@@ -21,15 +21,20 @@ struct Sight {
     std::function<double(const Ray&)> free_m = [](const Ray&) {
         return std::numeric_limits<double>::infinity();
     };
+    /// The same for things that may move away: they count less.
+    std::function<double(const Ray&)> free_of_loose_m = [](const Ray&) {
+        return std::numeric_limits<double>::infinity();
+    };
     bool is_complete = true;     // all models of the world are loaded
     std::uint64_t revision = 0;  // of the things in the world
 };
 
 /// A viewpoint from which all these people, at least one, are wholly in the picture: from the
 /// front, 30 degrees aside, if their sites have one and most agree, else from the side of `usual`.
-/// If something hides them there, from the next side that is free, or from above; in a closed room
-/// from as far as it is free. Never nearer than for somebody who stands, unless the room is small,
-/// and never below the floor. `aspect`: width of the picture by its height.
+/// If something hides them there, from the next side that is free, or from above; things that may
+/// move away then hide them rather than fixed ones. In a closed room from as far as it is free.
+/// Never nearer than for somebody who stands, unless the room is small, and never below the floor.
+/// `aspect`: width of the picture by its height.
 renderer::ViewCamera view_of_people(const FollowCamera::Places& people,
                                     const renderer::ViewCamera& usual,
                                     double aspect,

@@ -13,6 +13,7 @@
 #include "viewer/ui/surface.hpp"
 
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -56,6 +57,10 @@ struct WorldPicture {
     /// What may stand between an eye and people, as shown now; for the first viewpoint.
     Sight sight() const {
         return {[this](const Ray& ray) { return scene.free_m(ray); },
+                [this](const Ray& ray) {
+                    const auto loose = scene.pick(ray);
+                    return loose ? loose->distance_m : std::numeric_limits<double>::infinity();
+                },
                 scene.is_complete(),
                 scene.revision()};
     }

@@ -160,13 +160,9 @@ double free_share(const ViewCamera& view, const Eigen::Vector3d& at, const Sight
     return sight.free_m({at, way.normalized()}) / way.norm();
 }
 
-TEST(StartView, LooksFromAnotherSideIfSomethingHidesThePerson) {
-    const FollowCamera::Places one{{"lab", person_at(0.0, 0.0, {0.0, -1.0, 0.0})}};
-    const ViewCamera usual = view_of_people(one, kUsualView, kViewAspect);
-    // a pillar of 0.6 m halfway to the usual eye
-    const Eigen::Vector2d pillar = 0.5 * usual.position_m.head<2>();
-    Sight sight;
-    sight.free_m = [&](const Ray& ray) {
+// A pillar of 0.6 m.
+std::function<double(const Ray&)> pillar_at(const Eigen::Vector2d& pillar) {
+    return [=](const Ray& ray) {
         const double level = ray.direction.head<2>().norm();
         const Eigen::Vector2d along = ray.direction.head<2>() / level;
         const Eigen::Vector2d to = pillar - ray.origin.head<2>();
@@ -174,6 +170,13 @@ TEST(StartView, LooksFromAnotherSideIfSomethingHidesThePerson) {
         const bool is_hit = ahead > 0.0 && (to - ahead * along).norm() < 0.3;
         return is_hit ? (ahead - 0.3) / level : std::numeric_limits<double>::infinity();
     };
+}
+
+TEST(StartView, LooksFromAnotherSideIfSomethingHidesThePerson) {
+    const FollowCamera::Places one{{"lab", person_at(0.0, 0.0, {0.0, -1.0, 0.0})}};
+    const ViewCamera usual = view_of_people(one, kUsualView, kViewAspect);
+    Sight sight;
+    sight.free_m = pillar_at(0.5 * usual.position_m.head<2>());  // halfway to the usual eye
     ASSERT_LT(free_share(usual, one.at("lab").middle, sight), 1.0);
     const ViewCamera view = view_of_people(one, kUsualView, kViewAspect, sight);
     for (const Eigen::Vector3d& at : {one.at("lab").eyes, one.at("lab").middle})
@@ -182,6 +185,31 @@ TEST(StartView, LooksFromAnotherSideIfSomethingHidesThePerson) {
     EXPECT_GT(framed(view, one).tall, 0.6);
     EXPECT_NEAR(view.position_m.z(), usual.position_m.z(), 0.3) << "from the side, not from above";
     EXPECT_GT(view.position_m.head<2>().dot(usual.position_m.head<2>()), 0.0);
+}
+
+// Things that may move away are avoided as well, but rather looked through than walls.
+TEST(StartView, AvoidsWhatMayMoveAwayUnlessThatHelpsNothing) {
+    const FollowCamera::Places one{{"lab", person_at(0.0, 0.0, {0.0, -1.0, 0.0})}};
+    const ViewCamera usual = view_of_people(one, kUsualView, kViewAspect);
+    Sight tower;
+    tower.free_of_loose_m = pillar_at(0.5 * usual.position_m.head<2>());
+    const ViewCamera beside = view_of_people(one, kUsualView, kViewAspect, tower);
+    Sight as_if_fixed;
+    as_if_fixed.free_m = tower.free_of_loose_m;
+    EXPECT_EQ(beside.position_m,
+              view_of_people(one, kUsualView, kViewAspect, as_if_fixed).position_m);
+
+    Sight low = tower;  // only what is below the middle
+    low.free_of_loose_m = [&](const Ray& ray) {
+        return ray.origin.z() < 0.6 ? tower.free_of_loose_m(ray)
+                                    : std::numeric_limits<double>::infinity();
+    };
+    EXPECT_EQ(view_of_people(one, kUsualView, kViewAspect, low).position_m, usual.position_m);
+
+    Sight everywhere;  // in the middle of a heap
+    everywhere.free_of_loose_m = [](const Ray&) { return 0.5; };
+    EXPECT_TRUE(view_of_people(one, kUsualView, kViewAspect, everywhere)
+                    .position_m.isApprox(usual.position_m, 1e-9));
 }
 
 TEST(StartView, LooksOverTheWallsOfABooth) {
