@@ -7,8 +7,10 @@
 
 #include <fmt/format.h>
 
-#include <map>
+#include <algorithm>
+#include <array>
 #include <set>
+#include <span>
 
 namespace atrium::world_server {
 namespace {
@@ -83,34 +85,91 @@ void read_size(config::TableReader& table, WorldSoftObject& soft, const std::str
     }
 }
 
-// Reads `pins` (fixed in the world) or `tied` (attached to the rigid object `tied_to`).
-void read_pins(config::TableReader& table,
-               const std::string& key,
-               std::uint32_t object_id,
-               SoftObject& object) {
-    static const std::map<std::string, PinPlace> kOfCloth{{"top", PinPlace::kTop},
-                                                          {"bottom", PinPlace::kBottom},
-                                                          {"left", PinPlace::kLeft},
-                                                          {"right", PinPlace::kRight},
-                                                          {"top corners", PinPlace::kTopCorners},
-                                                          {"corners", PinPlace::kCorners}};
-    static const std::map<std::string, PinPlace> kOfRope{{"start", PinPlace::kLeft},
-                                                         {"end", PinPlace::kRight}};
+// Reads the places of `pins` or `tied`.
+std::vector<PinPlace> read_places(config::TableReader& table,
+                                  const std::string& key,
+                                  SoftShape shape) {
     std::vector<std::string> names;
     table.read(key, names);
-    if (names.empty()) return;
-    const bool is_cloth = object.shape == SoftShape::kCloth;
-    if (!is_cloth && object.shape != SoftShape::kRope)
-        return table.reject(key, "must be left out: only a cloth and a rope can be attached");
+    if (names.empty()) return {};
+    const bool is_cloth = shape == SoftShape::kCloth;
+    if (!is_cloth && shape != SoftShape::kRope) {
+        table.reject(key, "must be left out: only a cloth and a rope can be attached");
+        return {};
+    }
+    constexpr std::array kAll{PinPlace::kLeft,
+                              PinPlace::kRight,
+                              PinPlace::kTop,
+                              PinPlace::kBottom,
+                              PinPlace::kTopCorners,
+                              PinPlace::kCorners};
+    const std::span allowed = std::span(kAll).first(is_cloth ? kAll.size() : 2);
+    std::vector<PinPlace> places;
     for (const std::string& name : names) {
-        const auto place = (is_cloth ? kOfCloth : kOfRope).find(name);
-        if (place == (is_cloth ? kOfCloth : kOfRope).end()) {
-            return table.reject(
-                key,
-                is_cloth ? "must be of top, bottom, left, right, top corners, corners for a cloth"
-                         : "must be of start, end for a rope");
+        const auto place =
+            std::ranges::find(allowed, name, [&](PinPlace one) { return pin_name(one, shape); });
+        if (place == allowed.end()) {
+            table.reject(key,
+                         is_cloth
+                             ? "must be of top, bottom, left, right, top corners, corners for a "
+                               "cloth"
+                             : "must be of start, end for a rope");
+            return {};
         }
-        object.pins.push_back({.place = place->second, .object_id = object_id});
+        places.push_back(*place);
+    }
+    return places;
+}
+
+// What is wrong with the number of names in `tied_to`; empty: nothing.
+std::string problem_of_holders(const std::vector<std::string>& names,
+                               const std::vector<PinPlace>& places,
+                               SoftShape shape) {
+    if (names.size() == 1) return {};
+    if (names.empty()) return "must be the name of an [[object]]";
+    if (shape != SoftShape::kRope)
+        return "must be one name: only a rope can be tied to two objects, one per end";
+    if (names.size() > 2)
+        return "must be one name, or two: those of the objects at the two ends of the rope";
+    if (names[0] == names[1])
+        return "must be two different objects; if both ends are tied to one, write its name alone";
+    if (places.size() != 2 || places[0] == places[1]) {
+        return "must be one name, unless tied has both ends: two names belong to "
+               "tied = [\"start\", \"end\"], in this order";
+    }
+    return {};
+}
+
+// Reads `tied` and `tied_to`: one of `rigid` for all places, or one for each end of a rope.
+void read_ties(config::TableReader& table,
+               const std::vector<WorldObject>& rigid,
+               SoftObject& object) {
+    if (table.has("tied") && !table.has("tied_to")) table.reject("tied", "needs tied_to");
+    if (!table.has("tied_to")) return;
+    std::vector<std::string> names(1);
+    if (table.has_array("tied_to"))
+        table.read("tied_to", names);
+    else
+        table.read("tied_to", names.front());
+    std::vector<std::uint32_t> holders;
+    for (const std::string& name : names) {
+        const WorldObject* holder = find_object(rigid, name);
+        holders.push_back(holder == nullptr ? 0 : holder->rigid.id);
+        if (holder != nullptr) continue;
+        const std::string meant = object_meant_by(name, rigid);
+        table.reject("tied_to",
+                     "must be the name of an [[object]]" +
+                         (meant.empty() ? "; what hangs from scenery or the world has pins "
+                                          "instead of tied and tied_to"
+                                        : meant));
+    }
+    table.require("tied");
+    const std::vector<PinPlace> places = read_places(table, "tied", object.shape);
+    const std::string problem = problem_of_holders(names, places, object.shape);
+    if (!problem.empty()) return table.reject("tied_to", problem);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const std::uint32_t holder = holders.size() == 1 ? holders.front() : holders[i];
+        object.pins.push_back({.place = places[i], .object_id = holder});
     }
 }
 
@@ -177,23 +236,9 @@ WorldSoftObject read_soft_object(config::TableReader& table,
     read_colour(table, soft.texture, soft.own_colours, soft.colour);
     read_pose(table, object.world_from_object);
     soft.where = table.where("position_m");
-    read_pins(table, "pins", 0, object);
-    if (table.has("tied") && !table.has("tied_to")) table.reject("tied", "needs tied_to");
-    if (table.has("tied_to")) {
-        std::string name;
-        table.read("tied_to", name);
-        const WorldObject* holder = find_object(rigid, name);
-        if (holder == nullptr) {
-            const std::string meant = object_meant_by(name, rigid);
-            table.reject("tied_to",
-                         "must be the name of an [[object]]" +
-                             (meant.empty() ? "; what hangs from scenery or the world has pins "
-                                              "instead of tied and tied_to"
-                                            : meant));
-        }
-        table.require("tied");
-        read_pins(table, "tied", holder == nullptr ? 0 : holder->rigid.id, object);
-    }
+    for (const PinPlace place : read_places(table, "pins", object.shape))
+        object.pins.push_back({.place = place});
+    read_ties(table, rigid, object);
 
     if (const auto problem = physics::find_problem(object)) {
         reject_soft(table, object, *problem);
@@ -204,6 +249,25 @@ WorldSoftObject read_soft_object(config::TableReader& table,
 }
 
 }  // namespace
+
+std::string pin_name(PinPlace place, SoftShape shape) {
+    switch (place) {
+        case PinPlace::kTop:
+            return "top";
+        case PinPlace::kBottom:
+            return "bottom";
+        case PinPlace::kLeft:
+            return shape == SoftShape::kRope ? "start" : "left";
+        case PinPlace::kRight:
+            return shape == SoftShape::kRope ? "end" : "right";
+        case PinPlace::kTopCorners:
+            return "top corners";
+        case PinPlace::kCorners:
+        case PinPlace::kPoint:
+            break;
+    }
+    return "corners";
+}
 
 std::vector<WorldSoftObject> read_soft_objects(config::TableReader& reader,
                                                const Materials& materials,

@@ -27,8 +27,12 @@ struct WorldSoftObject {
     std::string where = {};  // place of its position in the file, for errors; empty: unknown
 };
 
+/// Returns the name of a place of a cloth or rope in a world file: "top", or "start" of a rope.
+std::string pin_name(physics::PinPlace place, physics::SoftShape shape);
+
 /// Reads all `[[soft]]` tables. Ids continue after those of `rigid`, the objects that `tied_to` may
-/// name. Ignores texture, restitution and rolling friction of materials. Problems go to `reader`.
+/// name: one for all places in `tied`, or two, for one end of a rope each. Ignores texture,
+/// restitution and rolling friction of materials. Problems go to `reader`.
 std::vector<WorldSoftObject> read_soft_objects(config::TableReader& reader,
                                                const Materials& materials,
                                                const std::vector<WorldObject>& rigid);

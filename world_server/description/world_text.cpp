@@ -115,33 +115,30 @@ void write(const WorldObject& object, const std::string& name, std::string& text
     table.pose(rigid.world_from_object);
 }
 
-const char* name_of(PinPlace place, SoftShape shape) {
-    switch (place) {
-        case PinPlace::kTop:
-            return "top";
-        case PinPlace::kBottom:
-            return "bottom";
-        case PinPlace::kLeft:
-            return shape == SoftShape::kRope ? "start" : "left";
-        case PinPlace::kRight:
-            return shape == SoftShape::kRope ? "end" : "right";
-        case PinPlace::kTopCorners:
-            return "top corners";
-        case PinPlace::kCorners:
-        case PinPlace::kPoint:
-            break;
-    }
-    return "corners";
+std::string quoted_list(const std::vector<std::string>& names) {
+    return fmt::format("[\"{}\"]", fmt::join(names, "\", \""));
 }
 
-// Pins of one object: 0 for the world.
-std::string pins_of(const physics::SoftObject& soft, std::uint32_t object) {
-    std::vector<std::string> names;
+// Its places that are fixed in the world or tied to an object: one for all, or one for each.
+void write_pins(const physics::SoftObject& soft, const Names& names, Table& table) {
+    std::vector<std::string> pins, tied, holders;
     for (const physics::SoftPin& pin : soft.pins) {
-        if (pin.object_id == object)
-            names.push_back(fmt::format("\"{}\"", name_of(pin.place, soft.shape)));
+        const std::string where = pin_name(pin.place, soft.shape);
+        const auto holder = names.find(pin.object_id);
+        if (pin.object_id == 0) {
+            pins.push_back(where);
+        } else if (holder != names.end()) {
+            tied.push_back(where);
+            holders.push_back(holder->second);
+        }
     }
-    return names.empty() ? "" : fmt::format("[{}]", fmt::join(names, ", "));
+    if (!pins.empty()) table.raw("pins", quoted_list(pins));
+    if (tied.empty()) return;
+    if (std::ranges::count(holders, holders.front()) == std::ssize(holders))
+        table.name("tied_to", holders.front());
+    else
+        table.raw("tied_to", quoted_list(holders));
+    table.raw("tied", quoted_list(tied));
 }
 
 void write_size(const WorldSoftObject& soft, Table& table) {
@@ -183,14 +180,7 @@ void write(const WorldSoftObject& soft, const Names& names, std::string& text) {
     table.look(soft.colour, soft.texture);
     table.pose(object.world_from_object);
     if (!object.start_nodes.empty()) table.raw("nodes_m", places(object.start_nodes));
-    if (const std::string pins = pins_of(object, 0); !pins.empty()) table.raw("pins", pins);
-    for (const physics::SoftPin& pin : object.pins) {
-        const auto holder = names.find(pin.object_id);
-        if (pin.object_id == 0 || holder == names.end()) continue;
-        table.name("tied_to", holder->second);
-        table.raw("tied", pins_of(object, pin.object_id));
-        break;  // a world file ties an object to one other
-    }
+    write_pins(object, names, table);
 }
 
 void write_limits(const physics::Joint& joint, const char* key, double unit, Table& table) {

@@ -109,6 +109,22 @@ btTransform world_from_body(const RigidObject& object, const CollisionShape& sha
     return to_bullet(object.world_from_object * shape.object_from_body());
 }
 
+// How deep a place in the world is inside an object [m]; 0: outside.
+class DepthOfNode {
+public:
+    explicit DepthOfNode(const RigidObject& object)
+        : shape_(object), shape_from_world_(world_from_body(object, shape_).inverse()) {}
+    double operator()(const Eigen::Vector3d& node_world) {
+        const auto found =
+            distance_to_shape(shape_.shape(), shape_from_world_ * to_bullet(node_world), 0);
+        return found ? std::max<double>(0.0, -found->distance) : 0.0;
+    }
+
+private:
+    CollisionShape shape_;
+    btTransform shape_from_world_;
+};
+
 }  // namespace
 
 double overlap_m(const RigidObject& moving, const RigidObject& other) {
@@ -176,14 +192,19 @@ double depth_m(const RigidObject& moving, const geometry::SurfaceTree& bodies) {
 }
 
 double overlap_m(const SoftObject& soft, const RigidObject& fixed) {
-    CollisionShape fixed_shape(fixed);
-    const btTransform fixed_from_world = world_from_body(fixed, fixed_shape).inverse();
+    DepthOfNode depth_m(fixed);
     double deepest_m = 0.0;
-    for_each_free_node(soft, [&](const Eigen::Vector3d& node) {
-        const auto found =
-            distance_to_shape(fixed_shape.shape(), fixed_from_world * to_bullet(node), 0);
-        if (found) deepest_m = std::max<double>(deepest_m, -found->distance);
-    });
+    for_each_free_node(
+        soft, [&](const Eigen::Vector3d& node) { deepest_m = std::max(deepest_m, depth_m(node)); });
+    return deepest_m;
+}
+
+double pinned_depth_m(const SoftObject& soft, const SoftPin& pin, const RigidObject& rigid) {
+    const SoftMesh mesh = make_soft_mesh(soft);
+    DepthOfNode depth_m(rigid);
+    double deepest_m = 0.0;
+    for (const std::uint32_t node : nodes_at(mesh, soft, pin))
+        deepest_m = std::max(deepest_m, depth_m(start_of_node(soft, mesh, node)));
     return deepest_m;
 }
 

@@ -21,6 +21,9 @@ double depth_m(const RigidObject& moving, const geometry::SurfaceTree& bodies);
 /// Like above, for the deepest node of a soft object. Nodes that a pin holds do not count.
 double overlap_m(const SoftObject& soft, const RigidObject& fixed);
 
+/// Like above, for the deepest node that `pin` holds.
+double pinned_depth_m(const SoftObject& soft, const SoftPin& pin, const RigidObject& rigid);
+
 /// Whether a cloth or rope starts with `rigid` through it: between two neighbouring nodes that are
 /// both outside, so that it stays skewered. Edges at a node that a pin holds do not count, nor does
 /// what starts as a saved world had it.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace atrium::physics {
 namespace {
@@ -104,6 +105,55 @@ TEST(SoftAnchors, BarAtTheFootOfAClothComesToRest) {
         EXPECT_NEAR(stage.rigid(kWeight).world_from_object.translation.z(), 0.98, 0.1)
             << mass_kg << " kg";
     }
+}
+
+// A barrier of two posts that can move.
+TEST(SoftAnchors, RopeBetweenTwoPostsHoldsAndFollows) {
+    SoftStage stage;
+    const double reach_m = 0.6;  // of each post from the middle
+    RigidObject post{.shape = ObjectShape::kCylinder, .size_m = {0.3, 0.3, 0.9}, .mass_kg = 8.0};
+    for (const auto& [id, x] : {std::pair{kWeight, -reach_m}, {kWeight + 1, reach_m}}) {
+        post.id = id;
+        post.world_from_object.translation = {x, 0.0, 0.45};
+        ASSERT_EQ(stage.world.add(post), AddResult::kAdded);
+    }
+    SoftObject rope = rope_at({0.0, 0.0, 0.88});
+    rope.size_m = {1.4, 0.03, 2.0 * reach_m};
+    rope.pins = {{.place = PinPlace::kLeft, .object_id = kWeight},
+                 {.place = PinPlace::kRight, .object_id = kWeight + 1}};
+    ASSERT_EQ(stage.world.add_soft(rope), AddResult::kAdded);
+    // where an end should be: in the axis of its post, 2 cm below the top
+    const auto distance_m = [&](std::uint32_t id) {
+        const Eigen::Vector3d top =
+            stage.rigid(id).world_from_object * Eigen::Vector3d(0.0, 0.0, 0.43);
+        const auto& nodes = stage.soft().positions;
+        return ((id == kWeight ? nodes.front() : nodes.back()).cast<double>() - top).norm();
+    };
+    const auto expect_stands = [&](std::uint32_t id) {
+        EXPECT_LT(distance_m(id), 0.01) << id;
+        const Eigen::Vector3d up =
+            stage.rigid(id).world_from_object.rotation * Eigen::Vector3d::UnitZ();
+        EXPECT_GT(up.z(), 0.999) << id;
+    };
+    stage.run(4.0);
+    for (const std::uint32_t id : {kWeight, kWeight + 1}) {
+        expect_stands(id);
+        EXPECT_NEAR(std::abs(stage.rigid(id).world_from_object.translation.x()), reach_m, 0.02);
+    }
+    // somebody carries a post a little further: the other one holds the other end
+    geometry::RigidTransform goal = stage.rigid(kWeight).world_from_object;
+    goal.translation += Eigen::Vector3d(0.1, 0.3, 0.0);
+    ASSERT_EQ(stage.world.hold("eve", kWeight, goal), HoldResult::kHeld);
+    stage.run(2.0);
+    ASSERT_TRUE(stage.world.let_go("eve", kWeight));
+    stage.run(2.0);
+    EXPECT_NEAR(stage.rigid(kWeight).world_from_object.translation.y(), 0.3, 0.02);
+    for (const std::uint32_t id : {kWeight, kWeight + 1}) expect_stands(id);
+    // without its post, an end falls; the other one stays tied
+    ASSERT_TRUE(stage.world.remove(kWeight));
+    stage.run(2.0);
+    EXPECT_LT(stage.soft().positions.front().z(), 0.1F);
+    expect_stands(kWeight + 1);
 }
 
 // As if somebody pulled the weight of a swing along and lost hold of it.

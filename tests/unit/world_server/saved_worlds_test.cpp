@@ -133,6 +133,36 @@ TEST_F(SavedWorldFiles, AllDeliveredWorldsReturnAsTheyWere) {
     EXPECT_NEAR(milliseconds(Timestamp::now() - list.worlds.front().time), 0.0, 60'000.0);
 }
 
+// Also if one of the two is gone.
+TEST_F(SavedWorldFiles, KeepARopeBetweenTwoObjects) {
+    fs::create_directories(folder_);
+    const auto post = [](const char* name, const char* x) {
+        return std::string("[[object]]\nname = \"") + name +
+               "\"\nshape = \"box\"\nsize_m = [0.3, 0.3, 0.9]\nmass_kg = 8\nposition_m = [" + x +
+               ", 0, 0.45]\n";
+    };
+    std::ofstream(folder_ / "world.toml")
+        << post("a", "-0.7") << post("b", "0.7")
+        << "[[soft]]\nname = \"rope\"\nshape = \"rope\"\nlength_m = 1.5\nspan_m = 1.4\n"
+           "diameter_m = 0.03\nmass_kg = 0.1\nposition_m = [0, 0, 0.85]\n"
+           "tied = [\"end\", \"start\"]\ntied_to = [\"b\", \"a\"]\n";
+    const auto config = test_support::load_world(folder_ / "world.toml");
+    ASSERT_TRUE(config) << config.error().message;
+    auto scene = Scene::create(*config);
+    ASSERT_TRUE(scene) << scene.error().message;
+    const std::string text = world_text(*config, *scene, folder_);
+    EXPECT_THAT(text, HasSubstr("\ntied_to = [\"b\", \"a\"]\ntied = [\"end\", \"start\"]\n"));
+    std::ofstream(folder_ / "again.toml") << text;
+    const auto again = test_support::load_world(folder_ / "again.toml");
+    ASSERT_TRUE(again) << again.error().message;
+    ASSERT_EQ(again->soft.size(), 1U);
+    expect_same(again->soft[0], config->soft[0]);
+    EXPECT_EQ(again->soft[0].object.pins[0].object_id, 2U);
+    ASSERT_TRUE(scene->world().remove(1));
+    EXPECT_THAT(world_text(*config, *scene, folder_),
+                HasSubstr("\ntied_to = \"b\"\ntied = [\"end\"]\n"));
+}
+
 TEST(SceneEdits, RefuseATooLargeModelByItsScale) {
     const auto config = test_support::load_world(fs::path(atrium::test::source_dir()) /
                                                  "deploy/worlds/playroom.toml");

@@ -3,6 +3,7 @@
 namespace atrium::world_server {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -69,6 +70,89 @@ TEST_F(WorldDoubts, NameASoftObjectThatStartsInsideAMovingOne) {
     EXPECT_THAT(doubts(anvil_at("0.105")),
                 ElementsAre(HasSubstr("soft_looks_wrong name=mat reason=\"anvil starts 0.10 m "
                                       "inside it, and may stay there")));
+}
+
+// A barrier: two posts of 10 cm, 1.4 m apart, and a rope from one to the other.
+std::string barrier(double post_kg, double span_m, const std::string& ends) {
+    const auto post = [&](const std::string& name, double x) {
+        return "[[object]]\nname = \"" + name +
+               "\"\nshape = \"cylinder\"\ndiameter_m = 0.1\nheight_m = 0.9\nmass_kg = " +
+               std::to_string(post_kg) + "\nposition_m = [" + std::to_string(x) + ", 0, 0.45]\n";
+    };
+    return kFloor + post("post-a", -0.7) + post("post-b", 0.7) +
+           "[[soft]]\nname = \"rope\"\nshape = \"rope\"\nlength_m = 1.5\nspan_m = " +
+           std::to_string(span_m) +
+           "\ndiameter_m = 0.03\nmass_kg = 0.4\nposition_m = [0, 0, 0.85]\n" + ends;
+}
+
+TEST_F(WorldDoubts, NamePinsInsideWhatMoves) {
+    const std::string both = "pins = [\"start\", \"end\"]\n";
+    EXPECT_THAT(doubts(barrier(6, 1.4, both)),
+                ElementsAre(AllOf(HasSubstr("soft_looks_wrong name=rope reason=\"its pins start "
+                                            "inside what can move and throw it over: start 0.05 m "
+                                            "inside post-a, end 0.05 m inside post-b; "),
+                                  HasSubstr("instead write tied = ['start', 'end'] and tied_to = "
+                                            "['post-a', 'post-b'], or shorten span_m"))));
+    EXPECT_THAT(doubts(barrier(6, 1.32, both)), ElementsAre(HasSubstr("start 0.01 m inside")));
+    EXPECT_THAT(doubts(barrier(6, 1.3, both)), IsEmpty()) << "touches the posts";
+    EXPECT_THAT(doubts(barrier(6, 1.26, both)), IsEmpty());
+    EXPECT_THAT(doubts(barrier(0, 1.4, both)), IsEmpty()) << "fixed posts stand";
+    EXPECT_THAT(doubts(barrier(6, 1.4, "pins = [\"start\"]\n")),
+                ElementsAre(HasSubstr("tied = ['start'] and tied_to = 'post-a', or")));
+    EXPECT_THAT(doubts(barrier(6,
+                               1.4,
+                               "pins = [\"end\"]\ntied = [\"start\"]\n"
+                               "tied_to = \"post-a\"\n")),
+                ElementsAre(HasSubstr("tied_to = ['post-b', 'post-a'], or")));
+}
+
+TEST_F(WorldDoubts, NameNothingThatIsTiedToWhatItStartsIn) {
+    EXPECT_THAT(doubts(barrier(6,
+                               1.4,
+                               "tied = [\"start\", \"end\"]\n"
+                               "tied_to = [\"post-a\", \"post-b\"]\n")),
+                IsEmpty());
+    EXPECT_THAT(doubts(barrier(6,
+                               1.4,
+                               "tied = [\"start\", \"end\"]\n"
+                               "tied_to = [\"post-b\", \"post-a\"]\n")),
+                ElementsAre(HasSubstr("is 1.3 m away from post-b"),
+                            HasSubstr("is 1.3 m away from post-a")));
+    // several of its nodes are deep in the crate
+    const auto rope = [](const char* ends) {
+        return kFloor + box("crate", 5, "position_m = [0, 0, 0.2]") +
+               "[[soft]]\nname = \"rope\"\nshape = \"rope\"\nlength_m = 1\n"
+               "diameter_m = 0.02\nmass_kg = 0.2\nposition_m = [0.5, 0, 0.3]\n" +
+               std::string(ends);
+    };
+    EXPECT_THAT(doubts(rope("tied = [\"start\"]\ntied_to = \"crate\"\n")), IsEmpty());
+    EXPECT_THAT(doubts(rope("")),
+                ElementsAre(HasSubstr("inside crate, which throws both apart: move it with "
+                                      "position_m, or tie it there with tied and tied_to")));
+}
+
+TEST_F(WorldDoubts, NameNoClothOnATableAndNoCushionOnASeat) {
+    const std::string table =
+        std::string(kFloor) +
+        "[[object]]\nname = \"table\"\nshape = \"box\"\nsize_m = [1.2, 0.8, 0.7]\nmass_kg = 20\n"
+        "position_m = [0, 0, 0.35]\n";
+    const auto cloth = [&](const char* z, const char* pins) {
+        return table +
+               "[[soft]]\nname = \"cloth\"\nshape = \"cloth\"\nsize_m = [1, 0.6]\nmass_kg = 0.3\n"
+               "roll_pitch_yaw_deg = [90, 0, 0]\nposition_m = [0, 0, " +
+               std::string(z) + "]\n" + pins;
+    };
+    for (const char* pins : {"", "pins = [\"corners\"]\n"}) {
+        for (const char* z : {"0.71", "0.7", "0.695"})
+            EXPECT_THAT(doubts(cloth(z, pins)), IsEmpty()) << z << pins;
+    }
+    EXPECT_THAT(doubts(cloth("0.68", "pins = [\"corners\"]\n")),
+                ElementsAre(HasSubstr("corners 0.02 m inside table; instead write tied = "
+                                      "['corners'] and tied_to = 'table', or move one")));
+    EXPECT_THAT(doubts(table + "[[soft]]\nname = \"cushion\"\nshape = \"box\"\n"
+                               "size_m = [0.45, 0.45, 0.12]\nmass_kg = 0.4\n"
+                               "position_m = [0, 0, 0.76]\n"),
+                IsEmpty());
 }
 
 // As a world is saved in which a ball rests on a trampoline.

@@ -61,6 +61,28 @@ TEST(SoftConfig, NamesFileLineAndKeyOfAnError) {
                      "tied_to = \"msat\"\ntied = [\"top\"]\n",
                  "must be the name of an [[object]] (did you mean mast?)");
     expect_error(kCloth + "tied = [\"top\"]\n", "needs tied_to");
+    const std::string masts =
+        "[[object]]\nname = \"a\"\nshape = \"plane\"\n[[object]]\nname = \"b\"\nshape = "
+        "\"plane\"\n";
+    const auto tied = [&](const std::string& soft, const std::string& to, const std::string& at) {
+        return masts + soft + "tied_to = [" + to + "]\ntied = [" + at + "]\n";
+    };
+    const std::string ends = R"("start", "end")";
+    EXPECT_EQ(soft_error_of(tied(rope, R"("a", "b")", ends)), "");
+    EXPECT_EQ(soft_error_of(tied(rope, R"("a")", ends)), "");
+    EXPECT_EQ(soft_error_of(tied(kCloth, R"("a")", R"("top")")), "");
+    expect_error(tied(kCloth, R"("a", "b")", R"("left", "right")"),
+                 "tied_to: must be one name: only a rope can be tied to two objects, one per end");
+    expect_error(tied(rope, R"("a", "b", "a")", ends),
+                 "tied_to: must be one name, or two: those of the objects at the two ends");
+    expect_error(tied(rope, R"("a", "a")", ends), "tied_to: must be two different objects; if");
+    expect_error(tied(rope, R"("a", "c")", ends), "tied_to: must be the name of an [[object]]");
+    expect_error(tied(rope, "", ends), "tied_to: must be the name of an [[object]]");
+    for (const char* at : {R"("start")", R"("end", "end")", ""})
+        expect_error(tied(rope, R"("a", "b")", at), "must be one name, unless tied has both ends");
+    expect_error(masts + rope + "tied_to = [\"a\", \"b\"]\n", "tied: ");
+    expect_error(masts + rope + "tied_to = 3\ntied = [\"end\"]\n", "tied_to: ");
+    expect_error(masts + rope + "tied_to = [3, 4]\ntied = [\"end\"]\n", "tied_to: ");
     expect_error(kCloth + "softness = 2.0\n", "softness");
     expect_error(kCloth + kCloth, "name");
     expect_error("[[soft]]\nname = \"b\"\nshape = \"ball\"\ndiameter_m = 0.001\nmass_kg = 1.0\n",
