@@ -1,5 +1,6 @@
 #include "world_server/description/blocked_doubts.hpp"
 
+#include "world_server/description/joint_motion.hpp"
 #include "world_server/description/start_doubts.hpp"
 #include "world_server/physics/start_overlap.hpp"
 #include "world_server/physics/world.hpp"
@@ -29,15 +30,10 @@ struct Way {
 };
 constexpr Way kTurn{20.0 * kDeg, 15.0 * kDeg, 60.0 * kDeg, 3.0 * kDeg};
 constexpr Way kSlide{0.1, 0.025, 0.5, 0.01};
+constexpr double kEarly_m = 0.2;
 
 const Way& way_of(const physics::Joint& joint) {
     return joint.kind == physics::JointKind::kHinge ? kTurn : kSlide;
-}
-
-// How far a joint lets its object move in a direction (+1, -1).
-double reach(const physics::Joint& joint, double direction) {
-    if (!joint.limits) return std::numeric_limits<double>::infinity();
-    return direction > 0.0 ? joint.limits->at(1) : -joint.limits->at(0);
 }
 
 // Those in which it is meant to move.
@@ -46,21 +42,6 @@ std::vector<double> allowed_directions(const physics::Joint& joint) {
     for (const double direction : {1.0, -1.0})
         if (reach(joint, direction) >= way_of(joint).allowed) directions.push_back(direction);
     return directions;
-}
-
-// The pose of `object` when the joint has moved it from its start.
-geometry::RigidTransform moved_by(double way,
-                                  const physics::Joint& joint,
-                                  const physics::RigidObject& object) {
-    const Eigen::Vector3d axis = joint.axis.normalized();
-    geometry::RigidTransform motion;
-    if (joint.kind == physics::JointKind::kSlider) {
-        motion.translation = way * axis;
-    } else {
-        motion.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(way, axis));
-        motion.translation = joint.anchor_m - motion.rotation * joint.anchor_m;
-    }
-    return motion * object.world_from_object;
 }
 
 double way_between(const geometry::RigidTransform& start,
@@ -89,7 +70,8 @@ public:
     double push(physics::Joint joint,
                 const physics::RigidObject& moving,
                 const std::optional<physics::RigidObject>& carrier,
-                double direction) {
+                double direction,
+                double enough) {
         const bool is_hinge = joint.kind == physics::JointKind::kHinge;
         const Way& way = way_of(joint);
         const double arm_m = is_hinge ? start_box_of(moving).size().maxCoeff() : 1.0;
@@ -111,7 +93,7 @@ public:
         double furthest = 0.0;
         if (world_.add_joint(joint)) {
             const int num_ticks = static_cast<int>(kPush_s / description_.world.tick_s);
-            for (int i = 0; i < num_ticks && furthest < way.moved; ++i) {
+            for (int i = 0; i < num_ticks && furthest < enough; ++i) {
                 world_.tick();
                 const auto pose = world_.pose_of(moving.id);
                 if (!pose) break;
@@ -135,26 +117,47 @@ private:
     physics::World world_;
 };
 
-// What `moving` is deepest inside; empty: nothing.
-std::string obstacle_of(const physics::RigidObject& moving,
-                        const physics::Joint& joint,
-                        const WorldDescription& world) {
+struct Obstacle {
+    std::string name;                     // empty: nothing
+    const WorldObject* object = nullptr;  // null: scenery
+};
+
+// What `moving` is deepest inside.
+Obstacle obstacle_of(const physics::RigidObject& moving,
+                     const physics::Joint& joint,
+                     const WorldDescription& world) {
     double deepest_m = 0.0;
-    std::string name;
-    const auto look_at = [&](double depth_m, const std::string& of) {
+    Obstacle obstacle;
+    const auto look_at = [&](double depth_m, const std::string& name, const WorldObject* object) {
         if (depth_m <= deepest_m) return;
         deepest_m = depth_m;
-        name = of;
+        obstacle = {name, object};
     };
     for (const WorldObject& other : world.objects) {
         const bool is_joined = other.rigid.id == joint.a || other.rigid.id == joint.b;
         if (!is_joined && other.rigid.mass_kg != 0.0) continue;
         if (other.rigid.id == moving.id || pass_through(world, moving.id, other.rigid.id)) continue;
-        look_at(physics::overlap_m(moving, to_rigid(other)), other.name);
+        look_at(physics::overlap_m(moving, to_rigid(other)), other.name, &other);
     }
-    for (const WorldScenery& scenery : world.scenery)
-        if (scenery.is_solid) look_at(physics::overlap_m(moving, scenery.mesh), scenery.name);
-    return name;
+    for (const WorldScenery& scenery : world.scenery) {
+        if (scenery.is_solid)
+            look_at(physics::overlap_m(moving, scenery.mesh), scenery.name, nullptr);
+    }
+    return obstacle;
+}
+
+// As a drawer in its carcass.
+bool is_housed_in(const Obstacle& obstacle, const physics::RigidObject& moving) {
+    return obstacle.object != nullptr &&
+           start_box_of(to_rigid(*obstacle.object)).contains(start_box_of(moving).centre());
+}
+
+// With less than this on its way, something is stuck, or stopped early. What moves in one direction
+// only is stopped early within a quarter of its way, though not later than a push lasts.
+double enough_of(const physics::Joint& joint, const std::vector<double>& directions) {
+    const double moved = way_of(joint).moved;
+    if (joint.kind == physics::JointKind::kHinge || directions.size() != 1) return moved;
+    return std::clamp(0.25 * reach(joint, directions.front()), moved, kEarly_m);
 }
 
 }  // namespace
@@ -162,40 +165,39 @@ std::string obstacle_of(const physics::RigidObject& moving,
 void doubt_blocked(const WorldDescription& world, std::vector<std::string>& lines) {
     std::optional<Trial> trial;
     for (const physics::Joint& joint : world.joints) {
-        if (joint.kind != physics::JointKind::kHinge && joint.kind != physics::JointKind::kSlider)
-            continue;
-        const WorldObject* a = object_of(world, joint.a);
-        const WorldObject* b = object_of(world, joint.b);
-        if (a == nullptr || !a->puppet.empty()) continue;
-        const bool a_moves = a->rigid.mass_kg != 0.0;
-        if (!a_moves && (b == nullptr || b->rigid.mass_kg == 0.0)) continue;
-        const physics::RigidObject moving = to_rigid(a_moves ? *a : *b);
+        const auto motion = motion_of(joint, world);
+        if (!motion || !motion->moving->puppet.empty()) continue;
+        const physics::RigidObject moving = to_rigid(*motion->moving);
         // a movable carrier, as of a lid, stands still for the trial
         std::optional<physics::RigidObject> carrier;
-        if (a_moves && b != nullptr && b->rigid.mass_kg != 0.0) {
-            carrier = to_rigid(*b);
+        if (motion->other != nullptr && motion->other->rigid.mass_kg != 0.0) {
+            carrier = to_rigid(*motion->other);
             carrier->mass_kg = 0.0;
         }
         const Way& way = way_of(joint);
         double furthest = 0.0;
-        std::string obstacle;
+        Obstacle obstacle;
         const std::vector<double> directions = allowed_directions(joint);
+        const double enough = enough_of(joint, directions);
         for (const double direction : directions) {
-            if (furthest >= way.moved) break;
+            if (furthest >= enough) break;
             if (!trial) trial.emplace(world);
-            const double came = trial->push(joint, moving, carrier, direction);
+            const double came = trial->push(joint, moving, carrier, direction, enough);
             furthest = std::max(furthest, came);
             physics::RigidObject further = moving;
-            further.world_from_object =
-                moved_by((a_moves ? direction : -direction) * (came + way.further), joint, moving);
-            if (obstacle.empty()) obstacle = obstacle_of(further, joint, world);
+            further.world_from_object = pose_at(direction * (came + way.further), joint, *motion);
+            if (obstacle.name.empty()) obstacle = obstacle_of(further, joint, world);
         }
-        if (obstacle.empty() || furthest >= way.moved) continue;
+        const bool is_stuck = furthest < way.moved;
+        if (obstacle.name.empty() || furthest >= enough ||
+            (!is_stuck && !is_housed_in(obstacle, moving)))
+            continue;
         physics::Joint free = joint;
         free.limits.reset();
         const bool is_reversed =
             directions.size() == 1 &&
-            trial->push(free, moving, carrier, -directions.front()) >= way.moved;
+            trial->push(free, moving, carrier, -directions.front(), enough) >= enough;
+        if (!is_stuck && !is_reversed) continue;
         const bool is_hinge = joint.kind == physics::JointKind::kHinge;
         const char* cure =
             is_reversed ? "the other way it is free: reverse axis, or leave 1 cm of air"
@@ -204,13 +206,13 @@ void doubt_blocked(const WorldDescription& world, std::vector<std::string>& line
         lines.push_back(
             fmt::format("joint_looks_wrong a={} b={} reason=\"pushed, {} {} by {} only, because {} "
                         "stops it; {}\"",
-                        a->name,
-                        b == nullptr ? "world" : b->name,
-                        a_moves ? a->name : b->name,
+                        object_of(world, joint.a)->name,
+                        motion->other == nullptr ? "world" : object_of(world, joint.b)->name,
+                        motion->moving->name,
                         is_hinge ? "turns" : "moves",
                         is_hinge ? fmt::format("{:.0f} degrees", furthest / kDeg)
                                  : fmt::format("{:.3f} m", furthest),
-                        obstacle,
+                        obstacle.name,
                         cure));
     }
 }

@@ -3,10 +3,10 @@
 #include "core/geometry/roll_pitch_yaw.hpp"
 #include "world_server/description/amount_doubts.hpp"
 #include "world_server/description/blocked_doubts.hpp"
-#include "world_server/description/hinge_doubts.hpp"
 #include "world_server/description/hollow_doubts.hpp"
 #include "world_server/description/layout_doubts.hpp"
 #include "world_server/description/load_doubts.hpp"
+#include "world_server/description/reversed_doubts.hpp"
 #include "world_server/description/scenery_doubts.hpp"
 #include "world_server/description/scenery_starts.hpp"
 #include "world_server/description/soft_doubts.hpp"
@@ -375,7 +375,7 @@ std::vector<std::string> doubts_about(const WorldDescription& world, double tick
     doubt_rotations(world, lines);
     doubt_joints(world, lines);
     doubt_anchors(world, lines);
-    doubt_hinges(world, lines);
+    doubt_reversed(world, lines);
     doubt_blocked(world, lines);
     doubt_copied_joints(world, lines);
     doubt_limits(world, lines);
