@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <chrono>
 #include <optional>
 
@@ -264,6 +265,14 @@ std::vector<views::NamedView> Pipeline::views(const Silhouettes& silhouettes) co
 rig_check::Look Pipeline::look(const Silhouettes& silhouettes, const hull::VisualHull& hull) const {
     rig_check::Look look;
     look.views = views(silhouettes);
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        if (silhouettes.delivered_[i] == 0) continue;
+        const auto& shift = silhouettes.cameras_[i]->view_shift_px;
+        if (shift) {
+            const double turn_rad = std::atan(shift->norm() / cameras_[i].intrinsics.fx);
+            look.shifted.push_back({cameras_[i].name, shift->norm(), turn_rad});
+        }
+    }
     if (hull.status != hull::HullStatus::kOk) return look;
     look.hull_extent = geometry::bounds(hull.mesh);
     look.hull_volume_m3 = geometry::volume_m3(hull.mesh);

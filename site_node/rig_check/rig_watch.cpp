@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 
 namespace atrium::rig_check {
@@ -76,6 +77,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         camera.explained += agreement.cameras[i].explained;
         camera.silent += agreement.cameras[i].cut + agreement.cameras[i].beyond;
     }
+    judge_shifted(look);
     judge_blind_cameras(look, agreement);
     if (agreement.num_rays() > 0) {
         ++num_looks_;
@@ -98,6 +100,26 @@ std::vector<std::string> RigWatch::look(const Look& look,
         if (key != kAllDropped && key != kLow) last_reason_ = finding.reason;
     }
     return lines;
+}
+
+// Its silhouettes hold edges of the room, so that they do not show how the camera stands now.
+void RigWatch::judge_shifted(const Look& look) {
+    for (const Look::Shifted& shifted : look.shifted) {
+        const double turn_deg = shifted.turn_rad * 180.0 / std::numbers::pi;
+        vote(kShifted + shifted.camera,
+             1,  // the pictures have proved it
+             fmt::format("view_moved camera={} px={:.1f} degrees={:.2f}",
+                         shifted.camera,
+                         shifted.shift_px,
+                         turn_deg),
+             fmt::format("camera '{}' shows the room {:.0f} px beside the empty room that was "
+                         "learned, as if it turned by {:.1f} degrees: it was moved. Fix it, learn "
+                         "the empty room again (restart the site), and walk: the site then names "
+                         "the command that mends the rig",
+                         shifted.camera,
+                         shifted.shift_px,
+                         turn_deg));
+    }
 }
 
 // A camera without any silhouette cuts everything away, and the site publishes empty meshes.

@@ -22,6 +22,13 @@ struct Look {
     geometry::Aabb hull_extent;  // empty: no hull, or an empty one
     double hull_volume_m3 = 0.0;
     std::optional<Footing> footing;
+    /// Cameras whose pictures show the learned room elsewhere.
+    struct Shifted {
+        std::string camera;
+        double shift_px = 0.0;
+        double turn_rad = 0.0;  // of the camera, if nothing else shifts it
+    };
+    std::vector<Shifted> shifted{};
 };
 
 /// Judges the rig of a running site from one metaframe about once a second. A finding needs several
@@ -75,6 +82,7 @@ private:
         std::size_t looks_with_somebody = 0;
         std::size_t looks_only_others = 0;  // while others saw somebody
     };
+    static constexpr const char* kShifted = "shifted ";  // begin of keys of findings
     struct Finding {
         std::string line;
         std::string reason;
@@ -96,6 +104,7 @@ private:
                   const std::string& event,
                   const std::string& reason);
     bool stands(const Finding& finding) const;
+    void judge_shifted(const Look& look);
     void judge_blind_cameras(const Look& look, const Agreement& agreement);
     void judge_outside(const Look& look, const Agreement& agreement);
     void judge_agreement(const Look& look,

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace atrium::rig_check {
 
 std::string RigWatch::summary(bool is_rig_in_doubt) const {
@@ -26,14 +28,16 @@ std::string RigWatch::summary(bool is_rig_in_doubt) const {
         worst = name;
     }
     if (counted == 0) return {};
+    const bool has_shifted = std::ranges::any_of(
+        findings_, [](const auto& entry) { return entry.first.starts_with(kShifted); });
     const double share = static_cast<double>(explained) / static_cast<double>(counted);
     return fmt::format(
         "silhouettes looks={} explained={:.2f} fit={} worst={}:{:.2f} cut={:.2f}{}{}",
         num_looks_,
         share,
-        share >= kFineShare && !is_rig_in_doubt ? "good"
-        : share >= kPoorShare                   ? "fair"
-                                                : "poor",
+        share >= kFineShare && !is_rig_in_doubt && !has_shifted ? "good"
+        : share >= kPoorShare                                   ? "fair"
+                                                                : "poor",
         worst,
         worst_share,
         static_cast<double>(rays - counted) / static_cast<double>(rays),

@@ -41,7 +41,27 @@ std::optional<std::string> RoomWatch::look_at_light(const image::YuvView& pictur
     if (num_other_light_ >= kOtherLight) return std::nullopt;
     auto doubt = doubt_of_light(luma, picture.y, light_scratch_);
     num_other_light_ = doubt ? num_other_light_ + 1 : 0;
-    return num_other_light_ == kOtherLight ? doubt : std::nullopt;
+    // of a camera that was moved a little, `look_at_view` tells more
+    const bool is_told =
+        num_other_light_ == kOtherLight && !find_view_shift(luma, picture.y, view_scratch_);
+    return is_told ? doubt : std::nullopt;
+}
+
+bool RoomWatch::is_view_due() {
+    if (--next_view_ > 0) return false;
+    next_view_ = kViewGap;
+    return true;
+}
+
+void RoomWatch::look_at_view(const image::YuvView& picture,
+                             std::span<const std::uint16_t> room_luma) {
+    constexpr double kSame_px = 3.0;
+    const auto shift = find_view_shift(room_luma, picture.y, view_scratch_);
+    const bool is_alike = shift.has_value() == last_shift_.has_value() &&
+                          (!shift || (*shift - *last_shift_).norm() < kSame_px);
+    num_alike_ = is_alike ? num_alike_ + 1 : 1;
+    last_shift_ = shift;
+    if (num_alike_ >= kSureViews) view_shift_ = shift;
 }
 
 }  // namespace atrium::segmentation

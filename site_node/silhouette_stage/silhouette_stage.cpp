@@ -37,7 +37,9 @@ Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
         if (auto segmented = segmenter_.segment(picture, out.mask, give_way); !segmented)
             return segmented;
         if (watch_.is_due()) watch_room(out);
+        if (watch_.is_view_due()) watch_.look_at_view(out.picture, segmenter_.model().room.luma);
     }
+    out.view_shift_px = watch_.view_shift();
     give_way();
     const auto segmented_at = Clock::now();
     out.counts = silhouette::extract_silhouette(

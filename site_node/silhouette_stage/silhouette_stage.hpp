@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@ struct PictureSilhouette {
     std::vector<silhouette::Outline> outlines;  // delivered picture
     std::vector<std::uint8_t> dropped;          // per outline
     silhouette::SilhouetteCounts counts;
+    /// By how much the picture shows the learned room shifted: the camera was moved since.
+    std::optional<Eigen::Vector2d> view_shift_px;
     double segmentation_ms = 0.0;
     double polygons_ms = 0.0;
 };
