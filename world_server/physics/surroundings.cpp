@@ -47,7 +47,6 @@ bool Surroundings::add(const StaticMesh& still) {
                                                      static_cast<int>(3 * sizeof(float)));
     auto shape = std::make_unique<btBvhTriangleMeshShape>(piece->mesh.get(),
                                                           /*useQuantizedAabbCompression=*/true);
-    shape->setMargin(btScalar(0.005));
     piece->shape = std::move(shape);
     place(std::move(piece), still.friction, still.restitution);
     return true;

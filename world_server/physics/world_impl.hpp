@@ -7,6 +7,7 @@
 #include "world_server/physics/rigid/flat_contacts.hpp"
 #include "world_server/physics/rigid/joints.hpp"
 #include "world_server/physics/rigid/load_solver.hpp"
+#include "world_server/physics/rigid/mesh_contacts.hpp"
 #include "world_server/physics/rigid/object_body.hpp"
 #include "world_server/physics/soft/soft_bodies.hpp"
 #include "world_server/physics/surroundings.hpp"
@@ -50,6 +51,7 @@ struct World::Impl {
     btDefaultCollisionConfiguration configuration;
     btCollisionDispatcher dispatcher{&configuration};
     FlatContacts flat_contacts{dispatcher, configuration, options.rigid.flat};
+    MeshContacts mesh_contacts{dispatcher, options.rigid.flat};
     btDbvtBroadphase broadphase;
     LoadSolver solver{options.rigid.load};
     SoftBodies soft{options, [this] { limit_depenetration(); }};

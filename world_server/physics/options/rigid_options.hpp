@@ -40,12 +40,18 @@ struct LoadOptions {
     int max_iterations = 500;  // 20 us per tick for a tower of three boxes at 200
 };
 
-/// Of cylinders whose flat end lies on something flat (`FlatContacts`).
+/// Of what lies flat on something flat (`FlatContacts`, `MeshContacts`).
 struct FlatContactOptions {
     float max_tilt = 0.03F;         // sine; a cylinder that leans more has one point of contact
     float deeper_m = 0.00005F;      // a point deeper by this replaces the lowest of the four
     float hull_search_tilt = 0.1F;  // tangent; the corners of a hull's face are sought so
     float hull_uneven_m = 0.0002F;  // a hull's face with corners further off its plane is not flat
+    // Triangles of a mesh whose normals differ by less than 0.8 degrees and whose planes differ by
+    // less than 0.1 mm at the thing's foot are one plane.
+    float same_plane_turn = 0.0001F;  // one minus the cosine
+    float same_plane_m = 0.0001F;
+    float min_width_m = 0.001F;      // of the area on a mesh; a narrower one is an edge
+    float min_triangle_m2 = 1e-10F;  // twice the area; a smaller one has no certain normal
 };
 
 /// Of the rigid objects in a `World`.

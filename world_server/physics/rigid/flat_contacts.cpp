@@ -1,32 +1,16 @@
 #include "world_server/physics/rigid/flat_contacts.hpp"
 
 #include "world_server/physics/rigid/flat_face.hpp"
+#include "world_server/physics/rigid/manifold_points.hpp"
 
 #include <BulletCollision/CollisionDispatch/btActivatingCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btConvexConvexAlgorithm.h>
 
-#include <algorithm>
-#include <array>
 #include <optional>
-#include <span>
 
 namespace atrium::physics {
 namespace {
-
-// Removes the old points that no new one replaces. The others keep their impulses.
-void remove_others(btPersistentManifold& manifold,
-                   const btTransform& body0_from_world,
-                   std::span<const btVector3> on_0) {
-    const btScalar near = manifold.getContactBreakingThreshold();
-    for (int i = manifold.getNumContacts() - 1; i >= 0; --i) {
-        const btVector3& old = manifold.getContactPoint(i).m_localPointA;
-        const bool is_kept = std::any_of(on_0.begin(), on_0.end(), [&](const auto& p) {
-            return (body0_from_world * p - old).length2() < near * near;
-        });
-        if (!is_kept) manifold.removeContactPoint(i);
-    }
-}
 
 class FlatAlgorithm : public btActivatingCollisionAlgorithm {
 public:
@@ -103,21 +87,8 @@ private:
                             manifold_->getContactBreakingThreshold(),
                             options_);
         if (!touch) return false;
-        // normals point to the manifold's first body; places are on its second
         const bool is_0_end = manifold_->getBody0() == upper.getCollisionObject();
-        const btVector3 to_0 = is_0_end ? touch->normal : -touch->normal;
-        std::array<btVector3, 4> on_0;
-        std::array<btVector3, 4> on_1;
-        for (std::size_t i = 0; i < touch->points.size(); ++i) {
-            const FlatPoint& p = touch->points[i];
-            const btVector3 on_end = p.on_face + p.gap * touch->normal;
-            on_0[i] = is_0_end ? on_end : p.on_face;
-            on_1[i] = is_0_end ? p.on_face : on_end;
-        }
-        if (!is_shared_)
-            remove_others(*manifold_, manifold_->getBody0()->getWorldTransform().inverse(), on_0);
-        for (std::size_t i = 0; i < on_1.size(); ++i)
-            result.addContactPoint(to_0, on_1[i], touch->points[i].gap);
+        add_touch(result, *touch, is_0_end, /*is_whole=*/!is_shared_);
         return true;
     }
 
