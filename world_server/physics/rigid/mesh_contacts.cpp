@@ -1,5 +1,6 @@
 #include "world_server/physics/rigid/mesh_contacts.hpp"
 
+#include "world_server/physics/rigid/ball_triangles.hpp"
 #include "world_server/physics/rigid/manifold_points.hpp"
 #include "world_server/physics/rigid/mesh_touches.hpp"
 
@@ -22,13 +23,14 @@ struct MeshPair {
              const btCollisionObjectWrapper* convex,
              const btCollisionObjectWrapper* mesh,
              bool is_mesh_first,
-             const FlatContactOptions& options)
+             const FlatContactOptions& options_)
         : dispatcher(dispatcher_),
           bullets(&dispatcher_,
                   is_mesh_first ? mesh : convex,
                   is_mesh_first ? convex : mesh,
                   is_mesh_first),
-          touches(options) {}
+          options(options_),
+          touches(options_) {}
     ~MeshPair() {
         for (const Flat& flat : flats) dispatcher.releaseManifold(flat.manifold);
     }
@@ -62,16 +64,18 @@ struct MeshPair {
 
     btDispatcher& dispatcher;
     btConvexTriangleCallback bullets;  // with Bullet's own manifold
+    const FlatContactOptions& options;
     MeshTouches touches;
+    std::vector<MeshTriangle> near;  // then those that are left to Bullet
     std::vector<Flat> flats;
 };
 
 struct Collector : btTriangleCallback {
-    explicit Collector(MeshTouches& touches_) : touches(touches_) {}
+    explicit Collector(std::vector<MeshTriangle>& triangles_) : triangles(triangles_) {}
     void processTriangle(btVector3* corners, int part, int index) override {
-        touches.add({{corners[0], corners[1], corners[2]}, part, index});
+        triangles.push_back({{corners[0], corners[1], corners[2]}, part, index});
     }
-    MeshTouches& touches;
+    std::vector<MeshTriangle>& triangles;
 };
 
 class MeshAlgorithm : public btActivatingCollisionAlgorithm {
@@ -132,10 +136,21 @@ private:
         btVector3 low, high;
         shape.getAabb(mesh_from_shape, low, high);
         const btVector3 around(reach, reach, reach);
-        pair_->touches.begin(shape, mesh_from_shape, reach);
-        Collector collector(pair_->touches);
+        pair_->near.clear();
+        Collector collector(pair_->near);
         triangles.processAllTriangles(&collector, low - around, high + around);
+        if (shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE) {
+            leave_touched_by_ball(pair_->near,
+                                  mesh_from_shape.getOrigin(),
+                                  static_cast<const btSphereShape&>(shape).getRadius(),
+                                  reach,
+                                  pair_->options);
+            return;
+        }
+        pair_->touches.begin(shape, mesh_from_shape, reach);
+        for (const MeshTriangle& triangle : pair_->near) pair_->touches.add(triangle);
         pair_->touches.finish();
+        pair_->near = pair_->touches.others();
     }
     void leave_others_to_bullet(const btCollisionObjectWrapper& convex,
                                 const btCollisionObjectWrapper& mesh,
@@ -145,7 +160,7 @@ private:
         const auto& triangles = *static_cast<const btConcaveShape*>(mesh.getCollisionShape());
         result.setPersistentManifold(bullets.m_manifoldPtr);
         bullets.setTimeStepAndCounters(triangles.getMargin(), info, &convex, &mesh, &result);
-        for (MeshTriangle triangle : pair_->touches.others())
+        for (MeshTriangle& triangle : pair_->near)
             bullets.processTriangle(triangle.corners.data(), triangle.part, triangle.index);
         result.refreshContactPoints();
         bullets.clearWrapperData();
@@ -174,8 +189,10 @@ btCollisionAlgorithm* MeshContacts::Maker::CreateCollisionAlgorithm(
 
 MeshContacts::MeshContacts(btCollisionDispatcher& dispatcher, const FlatContactOptions& options)
     : options_(options), makers_{Maker(options_, false), Maker(options_, true)} {
-    for (const int shape :
-         {CYLINDER_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
+    for (const int shape : {CYLINDER_SHAPE_PROXYTYPE,
+                            BOX_SHAPE_PROXYTYPE,
+                            CONVEX_HULL_SHAPE_PROXYTYPE,
+                            SPHERE_SHAPE_PROXYTYPE}) {
         dispatcher.registerCollisionCreateFunc(shape, TRIANGLE_MESH_SHAPE_PROXYTYPE, &makers_[0]);
         dispatcher.registerCollisionCreateFunc(TRIANGLE_MESH_SHAPE_PROXYTYPE, shape, &makers_[1]);
     }

@@ -11,7 +11,8 @@ namespace atrium::physics {
 /// Finds all contact points at once where cylinders, boxes and hulls lie flat on a triangle mesh.
 /// Bullet finds one point per tick and triangle, and keeps four of them for the whole mesh; slim
 /// things tip over before these surround their foot. Here each plane has four points of its own.
-/// All other contacts with the mesh are left to Bullet.
+/// A ball on a face does not touch the edges in its plane. All other contacts with the mesh are
+/// left to Bullet.
 class MeshContacts {
 public:
     MeshContacts(btCollisionDispatcher& dispatcher, const FlatContactOptions& options);
