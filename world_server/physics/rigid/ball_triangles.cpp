@@ -6,13 +6,6 @@
 namespace atrium::physics {
 namespace {
 
-struct Nearest {
-    btVector3 point{0, 0, 0};
-    btVector3 normal{0, 0, 0};  // of the triangle
-    bool is_inside = false;     // not on an edge
-    bool has_normal = false;
-};
-
 btVector3 nearest_on_edge(const btVector3& a, const btVector3& b, const btVector3& p) {
     const btVector3 along = b - a;
     const btScalar length2 = along.length2();
@@ -20,13 +13,15 @@ btVector3 nearest_on_edge(const btVector3& a, const btVector3& b, const btVector
     return a + std::clamp((p - a).dot(along) / length2, btScalar(0), btScalar(1)) * along;
 }
 
-Nearest nearest_on(const MeshTriangle& triangle, const btVector3& p, btScalar min_twice_area) {
+}  // namespace
+
+BallTriangles::Nearest BallTriangles::nearest_on(const MeshTriangle& triangle,
+                                                 const btVector3& p) const {
     const auto& [a, b, c] = triangle.corners;
     Nearest nearest;
     nearest.normal = (b - a).cross(c - a);
     const btScalar twice_area = nearest.normal.length();
-    nearest.has_normal = twice_area >= min_twice_area;
-    if (nearest.has_normal) {
+    if (twice_area >= options_.min_triangle_m2) {
         nearest.normal /= twice_area;
         const auto is_left = [&](const btVector3& from, const btVector3& to) {
             return (to - from).cross(p - from).dot(nearest.normal) >= 0;
@@ -41,28 +36,26 @@ Nearest nearest_on(const MeshTriangle& triangle, const btVector3& p, btScalar mi
     return nearest;
 }
 
-}  // namespace
-
-void leave_touched_by_ball(std::vector<MeshTriangle>& triangles,
-                           const btVector3& centre,
-                           btScalar radius_m,
-                           btScalar reach_m,
-                           const FlatContactOptions& options) {
-    std::vector<Nearest> places;
+void BallTriangles::leave_touched(std::vector<MeshTriangle>& triangles,
+                                  const btVector3& centre,
+                                  btScalar radius_m,
+                                  btScalar reach_m) {
+    places_.clear();
     const btScalar farthest = radius_m + reach_m;
     std::erase_if(triangles, [&](const MeshTriangle& triangle) {
-        const Nearest nearest = nearest_on(triangle, centre, options.min_triangle_m2);
+        const Nearest nearest = nearest_on(triangle, centre);
         const bool is_far = (nearest.point - centre).length2() > farthest * farthest;
-        if (!is_far) places.push_back(nearest);
+        if (!is_far) places_.push_back(nearest);
         return is_far;
     });
     std::size_t at = 0;
     std::erase_if(triangles, [&](const MeshTriangle&) {
-        const Nearest& place = places[at++];
-        return !place.is_inside && std::any_of(places.begin(), places.end(), [&](const auto& face) {
-            return face.is_inside &&
-                   std::abs(face.normal.dot(place.point - face.point)) <= options.same_plane_m;
-        });
+        const Nearest& place = places_[at++];
+        return !place.is_inside &&
+               std::any_of(places_.begin(), places_.end(), [&](const auto& face) {
+                   return face.is_inside && std::abs(face.normal.dot(place.point - face.point)) <=
+                                                options_.same_plane_m;
+               });
     });
 }
 

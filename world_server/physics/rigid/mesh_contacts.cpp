@@ -23,14 +23,14 @@ struct MeshPair {
              const btCollisionObjectWrapper* convex,
              const btCollisionObjectWrapper* mesh,
              bool is_mesh_first,
-             const FlatContactOptions& options_)
+             const FlatContactOptions& options)
         : dispatcher(dispatcher_),
           bullets(&dispatcher_,
                   is_mesh_first ? mesh : convex,
                   is_mesh_first ? convex : mesh,
                   is_mesh_first),
-          options(options_),
-          touches(options_) {}
+          touches(options),
+          ball(options) {}
     ~MeshPair() {
         for (const Flat& flat : flats) dispatcher.releaseManifold(flat.manifold);
     }
@@ -64,8 +64,8 @@ struct MeshPair {
 
     btDispatcher& dispatcher;
     btConvexTriangleCallback bullets;  // with Bullet's own manifold
-    const FlatContactOptions& options;
     MeshTouches touches;
+    BallTriangles ball;
     std::vector<MeshTriangle> near;  // then those that are left to Bullet
     std::vector<Flat> flats;
 };
@@ -140,11 +140,10 @@ private:
         Collector collector(pair_->near);
         triangles.processAllTriangles(&collector, low - around, high + around);
         if (shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE) {
-            leave_touched_by_ball(pair_->near,
-                                  mesh_from_shape.getOrigin(),
-                                  static_cast<const btSphereShape&>(shape).getRadius(),
-                                  reach,
-                                  pair_->options);
+            pair_->ball.leave_touched(pair_->near,
+                                      mesh_from_shape.getOrigin(),
+                                      static_cast<const btSphereShape&>(shape).getRadius(),
+                                      reach);
             return;
         }
         pair_->touches.begin(shape, mesh_from_shape, reach);

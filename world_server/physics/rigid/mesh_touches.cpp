@@ -36,8 +36,7 @@ void MeshTouches::add(const MeshTriangle& triangle) {
         others_.push_back(triangle);
         return;
     }
-    face->triangles.push_back(flat_.size());
-    flat_.push_back(triangle);
+    flat_.push_back({triangle, static_cast<std::size_t>(face - faces_.data())});
     const PlaneFrame& frame = face->area.face();
     Polygon outline;
     outline.add(frame.flat(a));
@@ -63,7 +62,7 @@ MeshTouches::Face* MeshTouches::face_at(const Side& side) {
     if (!foot || !foot->outline) return nullptr;
     const FlatFace plane{{side.origin, side.normal, foot->frame.u}, {}};
     if (!lies_flat(plane, *foot, options_)) return nullptr;
-    faces_.push_back({FlatArea(plane.frame, foot->frame), *foot, {}});
+    faces_.push_back({FlatArea(plane.frame, foot->frame), *foot});
     return &faces_.back();
 }
 
@@ -76,14 +75,15 @@ const std::optional<FlatFace>& MeshTouches::foot_towards(const btVector3& direct
 }
 
 void MeshTouches::finish() {
-    for (const Face& face : faces_) {
-        const auto touch = face.area.touch(reach_m_, options_.min_width_m, options_);
-        if (touch) {
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+        const FlatArea& area = faces_[i].area;
+        if (const auto touch = area.touch(reach_m_, options_.min_width_m, options_)) {
             touches_.push_back(*touch);
             continue;
         }
-        if (!face.area.is_empty() && face.area.least_gap() > reach_m_) continue;
-        for (const std::size_t i : face.triangles) others_.push_back(flat_[i]);
+        if (!area.is_empty() && area.least_gap() > reach_m_) continue;
+        for (const FlatTriangle& flat : flat_)
+            if (flat.face == i) others_.push_back(flat.triangle);
     }
 }
 

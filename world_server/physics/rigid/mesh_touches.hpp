@@ -38,8 +38,7 @@ public:
 private:
     struct Face {
         FlatArea area;
-        FlatFace foot;                       // the face of the shape
-        std::vector<std::size_t> triangles;  // in flat_
+        FlatFace foot;  // the face of the shape
     };
     struct Side {  // of a triangle: a plane that looks at the shape
         btVector3 normal;
@@ -53,7 +52,11 @@ private:
     btTransform mesh_from_shape_;
     btScalar reach_m_ = 0;
     std::vector<Face> faces_;
-    std::vector<MeshTriangle> flat_;
+    struct FlatTriangle {
+        MeshTriangle triangle;
+        std::size_t face;  // in faces_
+    };
+    std::vector<FlatTriangle> flat_;
     std::vector<MeshTriangle> others_;
     std::vector<FlatTouch> touches_;
     btVector3 last_direction_{0, 0, 0};  // of last_foot_
