@@ -1,6 +1,7 @@
 #include "tools/calibrate/finish_calibration.hpp"
 
 #include "tools/calibrate/calibrated_rig.hpp"
+#include "tools/calibrate/front.hpp"
 #include "tools/calibrate/report/report.hpp"
 
 #include <fmt/chrono.h>
@@ -129,20 +130,10 @@ private:
     Expected<void> turn_front(bool keeps_frame) {
         if (keeps_frame && options_.front.empty()) return {};
         const std::string& name = options_.front.empty() ? rig_.cameras[0].name : options_.front;
-        const auto camera =
-            std::ranges::find(rig_.cameras, name, &geometry::CalibratedCamera::name);
-        if (camera == rig_.cameras.end())
+        if (!turn_front_towards(name, rig_.cameras))
             return make_error(ErrorKind::kConfiguration,
                               fmt::format("--front {}: no camera has this name", name));
-        const Eigen::Vector3d place = camera->centre_site();
-        const geometry::RigidTransform old_from_new{
-            Eigen::Quaterniond(
-                Eigen::AngleAxisd(std::atan2(place.y(), place.x()), Eigen::Vector3d::UnitZ())),
-            Eigen::Vector3d::Zero()};
-        for (geometry::CalibratedCamera& one : rig_.cameras)
-            one.camera_from_site = one.camera_from_site * old_from_new;
-        const std::string text =
-            fmt::format("front: people who look towards '{}' look along +X, into the world", name);
+        const std::string text = front_text(name);
         if (options_.front.empty())
             report_.checks.push_back(text + "; another camera: --front NAME");
         else

@@ -5,6 +5,7 @@
 #include "tools/calibrate/calibrated_rig.hpp"
 #include "tools/calibrate/floor/find_marks.hpp"
 #include "tools/calibrate/floor/floor_frame.hpp"
+#include "tools/calibrate/front.hpp"
 #include "tools/calibrate/progress.hpp"
 #include "tools/calibrate/subcommands.hpp"
 #include "tools/calibrate/sweep/sweep.hpp"
@@ -13,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -35,6 +37,7 @@ struct FloorCommand {
     std::optional<fs::path> wand;  // empty path: the default one
     double yaw_deg = 0.0;
     double thickness_mm = 0.0;
+    std::string front;
     bool force = false;
     fs::path output;
 };
@@ -95,6 +98,24 @@ Expected<FoundMarks> find_by_lights(FloorCommand& options, const config::Rig& ri
     return marks_of_lights(rig, *points, wand);
 }
 
+// Says where +X points: marks that lie the wrong way round fit the floor as well.
+Expected<void> set_front(const FloorCommand& options, config::Rig& rig, RigReport& report) {
+    if (!options.front.empty() && !turn_front_towards(options.front, rig.cameras))
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("--front {}: no camera has this name", options.front));
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const auto& camera : rig.cameras)
+        middle += camera.centre_site() / static_cast<double>(rig.cameras.size());
+    report.told.push_back(fmt::format(
+        "{}; the origin is {:.2f} m from the middle of the cameras{}",
+        front_text(front_camera(rig.cameras)),
+        std::hypot(middle.x(), middle.y()),
+        options.front.empty() ? "; if people face another camera, say --front NAME, and if the "
+                                "origin is at the wrong end, lay the marks the other way round"
+                              : ""));
+    return {};
+}
+
 Expected<void> run_floor(FloorCommand& options) {
     const bool is_live = options.source.is_asked();
     if ((options.pictures.empty() ? 0 : 1) + (options.points.empty() ? 0 : 1) + (is_live ? 1 : 0) !=
@@ -128,6 +149,7 @@ Expected<void> run_floor(FloorCommand& options) {
                      found->problems};
     for (auto& camera : rig->cameras)
         camera.camera_from_site = camera.camera_from_site * frame->rig_from_floor;
+    if (auto turned = set_front(options, *rig, report); !turned) return turned;
     const auto height = [](const geometry::CalibratedCamera& camera) {
         return camera.centre_site().z();
     };
@@ -199,11 +221,18 @@ void add_floor(CLI::App& app, Action& action) {
             "default wand")
         ->expected(0, 1)
         ->type_name("FILE");
+    auto* yaw =
+        command
+            ->add_option("--yaw-deg",
+                         options->yaw_deg,
+                         "angle of the marks' +X in the room, counter-clockwise seen from above")
+            ->check(CLI::Range(-360.0, 360.0));
     command
-        ->add_option("--yaw-deg",
-                     options->yaw_deg,
-                     "angle of the marks' +X in the room, counter-clockwise seen from above")
-        ->check(CLI::Range(-360.0, 360.0));
+        ->add_option("--front",
+                     options->front,
+                     "camera towards which +X points, from the marks' origin: people look along it")
+        ->excludes(yaw)
+        ->type_name("CAMERA");
     command
         ->add_option("--thickness-mm",
                      options->thickness_mm,

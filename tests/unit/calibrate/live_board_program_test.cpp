@@ -90,6 +90,7 @@ TEST_F(LiveBoards, AWandOnTheFloorGivesTheFrameOfTheRoom) {
                              "--simulation.shows wand --simulation.lies --wand -o room.toml");
     ASSERT_EQ(laid.exit_code, 0) << laid.output;
     EXPECT_THAT(laid.output, HasSubstr("floor: 3 of 3 places"));
+    EXPECT_THAT(laid.output, HasSubstr("look along +X, into the world; the origin is 0."));
     expect_the_site("room.toml", 0.01);
 }
 

@@ -25,6 +25,7 @@ using coherence::Verdict;
 // A rig is no longer true as a whole if a refinement would halve its errors.
 constexpr double kMuchBetter = 0.5;
 constexpr double kGoodCoherence_px = 1.0;
+constexpr double kExplained = 0.95;  // of the silhouettes, with a true rig
 constexpr double kOneFactor = 0.02;  // lenses that differ by less from their median have it
 
 // What other poses, or other lenses as well, make of the errors of held-out instants.
@@ -87,12 +88,38 @@ std::string doubt_of_whole(const config::Rig& rig,
     return {};
 }
 
+// A camera whose silhouettes hardly touch what the others see is judged by the few tangents that
+// fit. `coverage`: the share of the silhouettes that the hull explains.
+void check_silent_cameras(const config::Rig& rig,
+                          const coherence::Report& report,
+                          const std::string& recording,
+                          double coverage,
+                          RigCheck& check) {
+    constexpr double kFew = 0.25;  // of the median
+    if (coverage >= kExplained) return;
+    std::vector<double> nums;
+    for (const auto& camera : report.cameras)
+        nums.push_back(static_cast<double>(camera.num_tangencies));
+    if (nums.empty()) return;
+    const double usual = median_of(nums);
+    for (std::size_t c = 0; c < report.cameras.size(); ++c) {
+        const auto num = static_cast<double>(report.cameras[c].num_tangencies);
+        if (num >= kFew * usual || usual < coherence::Coherence::kLeastTangencies) continue;
+        check.checks.push_back(fmt::format(
+            "camera '{}' has {} tangents, others about {:.0f}: its silhouettes show more than the "
+            "people whom the others see, as edges of the room if it was moved after the empty room "
+            "was learned, or it sees too few of them: look at them with `site_node --recording {} "
+            "--preview`",
+            rig.cameras[c].name,
+            report.cameras[c].num_tangencies,
+            usual,
+            recording));
+    }
+}
+
 // Returns the cause of silhouettes that contradict each other; kUnknown without one.
-rig_check::Cause check_coverage(const config::Rig& rig, const Take& take, RigCheck& check) {
+rig_check::Cause check_coverage(const Take& take, double coverage, RigCheck& check) {
     using rig_check::Cause;
-    std::vector<std::size_t> all(take.sights.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    const double coverage = coverage_of(take, all, rig.cameras);
     check.told.push_back(
         fmt::format("coverage: the hull explains {:.1f} % of the silhouettes", 100.0 * coverage));
     if (coverage >= rig_check::kPoorShare || take.views.empty()) return Cause::kUnknown;
@@ -135,7 +162,11 @@ void check_silhouettes(const config::Rig& rig,
                         camera.num_tangencies,
                         coherence::kFits_px));
     }
-    const rig_check::Cause cause = check_coverage(rig, take, check);
+    std::vector<std::size_t> all(take.sights.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const double coverage = coverage_of(take, all, rig.cameras);
+    const rig_check::Cause cause = check_coverage(take, coverage, check);
+    check_silent_cameras(rig, report, recording_name, coverage, check);
     const bool blames_one = cause == rig_check::Cause::kOneCamera;
     // no refined pose mends swapped cameras or mirrored pictures; it would hide them
     if (cause != rig_check::Cause::kUnknown && !blames_one) return;
