@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <functional>
 #include <numeric>
+#include <utility>
 
 namespace atrium::segmentation {
 namespace {
@@ -144,6 +145,15 @@ struct Level {
     std::size_t num_patches = 0;
 };
 
+// Whether the squares fit best where they are: the usual case, found with few comparisons.
+bool fits_unshifted(const Level& level) {
+    const double here = level.likeness_at(0, 0);
+    if (here < kExplains) return false;
+    for (const auto& [x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+        if (level.likeness_at(x, y) > here) return false;
+    return true;
+}
+
 struct Peak {
     Eigen::Vector2d shift;  // [px of the level]
     double likeness = 0.0;
@@ -217,6 +227,7 @@ std::optional<Eigen::Vector2d> find_view_shift(std::span<const std::uint16_t> ro
     shrink(width, height, of_picture, scratch.half_picture);
     constexpr int kFineScale = kQuarter / kHalf;
     const Level fine(scratch.half_room, scratch.half_picture, kFineScale, scratch.squares);
+    if (fits_unshifted(fine)) return std::nullopt;
     const auto find_near = [&](const Eigen::Vector2i& middle) {
         return find_peak(fine, middle, kFineReach, scratch.likeness);
     };
