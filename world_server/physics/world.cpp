@@ -25,6 +25,9 @@ World::Impl::Impl(const WorldOptions& world_options)
     // as well, but then a cylinder that lands on its flat end tips over.)
     world.getSolverInfo().m_solverMode |= SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
+    // by default Bullet lets motion of up to 4 cm per tick through, with which nuts and balls fell
+    // through the floor of a mesh
+    world.getDispatchInfo().m_allowedCcdPenetration = btScalar(0.001);
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
     if (options.leaving == LeavePolicy::kBounce)
         surroundings.add_walls(box_of(options), options.wall_friction, options.wall_restitution);

@@ -267,5 +267,31 @@ TEST(OnScenery, ABoxInACornerTouchesFloorAndWallsOfOneMesh) {
     EXPECT_GT((state.world_from_object.rotation * Eigen::Vector3d::UnitZ()).z(), 0.999);
 }
 
+// At some speeds a thing that is thinner than its way per tick was past the triangles unseen.
+TEST(SmallThings, DoNotFallThroughTheFloor) {
+    for (const Ground& ground : grounds()) {
+        World world({});
+        ground.put_into(world);
+        std::vector<std::uint32_t> ids;
+        for (int i = 0; i < 42; ++i) {
+            const double x = 0.1 * (i - 20);
+            const double drop_m = 0.1 + 0.04 * i;
+            for (const ObjectShape shape :
+                 {ObjectShape::kCylinder, ObjectShape::kSphere, ObjectShape::kBox}) {
+                RigidObject thing = box_at(static_cast<std::uint32_t>(10 + ids.size()),
+                                           {x, 0.3 * static_cast<int>(shape), kTop_m + drop_m},
+                                           {0.05, 0.05, 0.03});
+                thing.shape = shape;
+                if (shape == ObjectShape::kSphere) thing.size_m.setConstant(0.04);
+                ASSERT_EQ(world.add(thing), AddResult::kAdded);
+                ids.push_back(thing.id);
+            }
+        }
+        for (int tick = 0; tick < 120; ++tick) world.tick();
+        for (const std::uint32_t id : ids)
+            EXPECT_GT(world.pose_of(id)->translation.z(), kTop_m) << ground.name << ", " << id;
+    }
+}
+
 }  // namespace
 }  // namespace atrium::physics
