@@ -30,17 +30,17 @@ struct ViewScratch {
     std::vector<double> likeness;  // at each shift
 };
 
+inline constexpr double kLeastShift_px = 2.3;
+
 /// Compares a picture with the empty room that was learned, by squares with texture spread over the
 /// room. Returns by how much the picture shows the room shifted [px], x to the right, y downwards:
 /// the camera was moved since. nullopt if they fit within kLeastShift_px, if no shift explains most
-/// squares (many people, a shift of more than 75 px), for a room with little texture, or one of
+/// squares (many people, a shift of more than 70 px), for a room with little texture, or one of
 /// another size. Light does not matter.
 ///
 /// `room_luma`: means per pixel [1/256], row by row, as in BackgroundStatistics. People hide some
-/// squares, but shift none together; still, ask several pictures. Some milliseconds for 1 MP, more
-/// if the view has changed.
-/// Allocates only while `scratch` grows.
-inline constexpr double kLeastShift_px = 2.3;
+/// squares, but shift none together; still, ask several pictures. Compares few places, and many
+/// only if the view has changed. Allocates only while `scratch` grows.
 std::optional<Eigen::Vector2d> find_view_shift(std::span<const std::uint16_t> room_luma,
                                                const image::PlaneView& picture_luma,
                                                ViewScratch& scratch);
