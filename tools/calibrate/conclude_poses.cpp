@@ -1,6 +1,8 @@
 #include "tools/calibrate/concluder.hpp"
 #include "tools/calibrate/judge/angles.hpp"
+#include "tools/calibrate/judge/odd_cameras.hpp"
 #include "tools/calibrate/judge/rig_judge.hpp"
+#include "tools/calibrate/up_text.hpp"
 
 #include <fmt/format.h>
 
@@ -21,12 +23,14 @@ void Concluder::read_poses() {
     Reading wanted = foreign_.documented;
     wanted.pose = said_.pose.value_or(wanted.pose);
     wanted.opengl = said_.opengl.value_or(wanted.opengl);
+    const bool is_said = said_.pose || said_.opengl;
+    const bool is_fixed = is_said || foreign_.is_sure_of_poses;
+    unify_units(wanted, is_fixed);
     ReadingChoice choice = choose_reading(cameras_, poses_, wanted, foreign_.has_matrix_poses);
     const ReadingChoice fitting = choice;
     report_same_poses();
     if (said_.left_handed) tell("poses: left-handed, as you say, and mirrored");
-    const bool is_said = said_.pose || said_.opengl;
-    if (is_said || foreign_.is_sure_of_poses) choice = {wanted, {}, true, {}};
+    if (is_fixed) choice = {wanted, {}, true, {}};
     place_cameras(choice.reading);
     const Convergence convergence = measure_convergence(cameras_);
     const std::vector<bool> looks = look_at_one_place(cameras_);
@@ -65,7 +69,7 @@ void Concluder::read_poses() {
         return;
     }
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
-        if (!looks[i]) report_elsewhere(i);
+        if (!looks[i]) report_elsewhere(i, looks, choice.reading);
         is_frame_of_camera_ = is_frame_of_camera_ || (looks[i] && is_at_origin(poses_[i]));
     }
     if (!is_said && !choice.also_possible.empty()) {
@@ -74,6 +78,27 @@ void Concluder::read_poses() {
                         describe(choice.also_possible.front()),
                         option_of(choice.also_possible.front())));
     }
+}
+
+// Files of several scripts that were put together may mix units.
+void Concluder::unify_units(const Reading& wanted, bool is_fixed) {
+    const auto odd = find_odd_unit(cameras_,
+                                   poses_,
+                                   wanted,
+                                   is_fixed ? std::optional(wanted) : std::nullopt,
+                                   foreign_.has_matrix_poses);
+    if (!odd) return;
+    std::vector<std::string> names;
+    for (const std::size_t i : odd->cameras) {
+        poses_[i].vector *= odd->factor;
+        names.push_back("'" + foreign_.cameras[i].known_name() + "'");
+    }
+    check(
+        fmt::format("lengths: those of {} {} are in another unit than the others', and were "
+                    "multiplied by {}; if the person is broken, write all in one unit",
+                    names.size() == 1 ? "camera" : "cameras",
+                    enumerated(names),
+                    length_text(odd->factor)));
 }
 
 void Concluder::place_cameras(const Reading& reading) {
@@ -101,16 +126,29 @@ void Concluder::report_same_poses() {
     }
 }
 
-// `camera` does not look at the place that most cameras look at.
-void Concluder::report_elsewhere(std::size_t camera) {
-    const bool is_default = is_at_origin(poses_[camera]) && foreign_.has_frame;
+// `camera` does not look at the place that most cameras, those of `looks`, look at.
+void Concluder::report_elsewhere(std::size_t camera,
+                                 const std::vector<bool>& looks,
+                                 const Reading& common) {
+    std::vector<geometry::CalibratedCamera> others;
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
+        if (looks[i]) others.push_back(cameras_[i]);
+    std::string cause =
+        "its pose in the file is probably wrong, or older than the others: calibrate it again";
+    if (is_at_origin(poses_[camera]) && foreign_.has_frame) {
+        cause = "its pose is the origin, so it was probably never calibrated: calibrate it";
+    } else if (const auto reading =
+                   find_odd_reading(cameras_[camera], poses_[camera], others, common)) {
+        cause = fmt::format(
+            "it would if its pose were {}, unlike those of the others: write all poses in one way, "
+            "or calibrate it again",
+            describe(*reading));
+    }
     problem(fmt::format(
         "poses: camera '{}' does not look at the place that the others look at: {}; remove it from "
         "the calibration if it is to look elsewhere",
         cameras_[camera].name,
-        is_default ? "its pose is the origin, so it was probably never calibrated: calibrate it"
-                   : "its pose in the file is probably wrong, or older than the others: calibrate "
-                     "it again"));
+        cause));
 }
 
 }  // namespace atrium::calibrate

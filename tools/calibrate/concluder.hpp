@@ -39,7 +39,10 @@ private:
     void read_poses();
     void place_cameras(const Reading& reading);
     bool looks_left_handed(double aim_m) const;
-    void report_elsewhere(std::size_t camera);
+    void unify_units(const Reading& wanted, bool is_fixed);
+    void report_elsewhere(std::size_t camera,
+                          const std::vector<bool>& looks,
+                          const Reading& common);
     void report_same_poses();
     Expected<void> find_scale();
     Expected<double> said_scale() const;

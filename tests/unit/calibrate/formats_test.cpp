@@ -285,6 +285,37 @@ TEST(Lenses, OfViconInPixelsAreFitted) {
     }
 }
 
+TEST(Lenses, OfColmapsFisheyesAreFitted) {
+    const test::Folder folder;
+    atrium::test::Random random(6);
+    folder.write("images.txt", test::colmap_images_txt(test::random_room(random, 3), 1.0));
+    const std::string size = " 1280 720 ";
+    folder.write("cameras.txt",
+                 "1 OPENCV_FISHEYE" + size + "900 910 640.5 360.5 0.02 -0.01 0.004 0.001\n" +
+                     "2 RADIAL_FISHEYE" + size + "900 640.5 360.5 0.02 -0.01\n" +
+                     "3 SIMPLE_RADIAL_FISHEYE" + size + "900 640.5 360.5 0.02\n");
+    const auto foreign = read_foreign({folder.path()}, "auto");
+    ASSERT_TRUE(foreign) << foreign.error().message;
+    ASSERT_EQ(foreign->cameras.size(), 3U);
+    const std::vector<std::vector<double>> polynomials{
+        {0.02, -0.01, 0.004, 0.001}, {0.02, -0.01}, {0.02}};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto& k = foreign->cameras[i].lens;
+        for (const Eigen::Vector2d& ray : {Eigen::Vector2d(0.6, 0.3), Eigen::Vector2d(-0.2, 0.4)}) {
+            const double angle = std::atan(ray.norm());
+            double distorted = angle;
+            for (std::size_t n = 0; n < polynomials[i].size(); ++n)
+                distorted +=
+                    polynomials[i][n] * std::pow(angle, 3.0 + 2.0 * static_cast<double>(n));
+            const Eigen::Vector2d expected =
+                Eigen::Vector2d(640, 360) +
+                Eigen::Vector2d(900, i == 0 ? 910 : 900).cwiseProduct(ray.normalized() * distorted);
+            const Eigen::Vector2d undistorted(k.cx + k.fx * ray.x(), k.cy + k.fy * ray.y());
+            EXPECT_LT((k.distort(undistorted) - expected).norm(), 0.3) << i;
+        }
+    }
+}
+
 TEST(Lenses, OfRationalModelsAreFittedOrRefused) {
     geometry::PinholeCamera camera{
         .width = 1280, .height = 720, .fx = 1000, .fy = 1000, .cx = 640, .cy = 360};

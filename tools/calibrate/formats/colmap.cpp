@@ -80,6 +80,14 @@ std::optional<LensNumbers> lens_of(const ColmapCamera& camera) {
     } else if (has("PINHOLE", 4) || has("OPENCV", 8) || has("FULL_OPENCV", 12)) {
         lens.matrix.assign(p.begin(), p.begin() + 4);
         lens.distortion.assign(p.begin() + 4, p.end());
+    } else if (has("SIMPLE_RADIAL_FISHEYE", 4) || has("RADIAL_FISHEYE", 5)) {
+        lens.matrix = {p[0], p[0], p[1], p[2]};
+        lens.distortion.assign(p.begin() + 3, p.end());
+        lens.model = "fisheye";
+    } else if (has("OPENCV_FISHEYE", 8)) {
+        lens.matrix.assign(p.begin(), p.begin() + 4);
+        lens.distortion.assign(p.begin() + 4, p.end());
+        lens.model = "fisheye";
     } else {
         return std::nullopt;
     }

@@ -1,5 +1,6 @@
 #include "tools/calibrate/judge/rig_judge.hpp"
 
+#include "core/base/median.hpp"
 #include "core/geometry/alignment.hpp"
 #include "tools/calibrate/judge/choose_up.hpp"
 
@@ -47,12 +48,6 @@ Eigen::Vector3d nearest_to_axes(Cameras cameras) {
     return a.inverse() * b;
 }
 
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 }  // namespace
 
 Convergence measure_convergence(Cameras cameras) {
@@ -70,7 +65,7 @@ Convergence measure_convergence(Cameras cameras) {
         result.off_axis += std::atan2(axis.cross(to_point).norm(), axis.dot(to_point)) /
                            static_cast<double>(cameras.size());
     }
-    result.median_distance = median(distances);
+    result.median_distance = median_of(distances);
     const double along = geometry::principal_axes(directions).values[2];
     result.spread = std::max(0.0, 1.0 - along);
     result.tilt = choose_up(cameras).mean_tilt;
