@@ -24,6 +24,7 @@ constexpr std::size_t kRaysPerRig = 640;
 constexpr std::size_t kLeastRays = 24;
 // Of more cameras only those that contradict most are exchanged in pairs.
 constexpr std::size_t kMaxExchanged = 9;
+constexpr std::size_t kLeastForTwo = 6;  // cameras: four others agree by no chance
 constexpr std::array<double, 6> kScales{0.5, 2.0 / 3.0, 0.75, 4.0 / 3.0, 1.5, 2.0};
 
 constexpr double kMuchDistortion_px = 4.0;
@@ -77,6 +78,7 @@ public:
         if (flipped) weigh(std::move(*flipped));
         if (best_ || share_ >= kPoorShare) return best_;
         if (auto one = one_camera()) return one;
+        if (auto two = two_cameras()) return two;
         return unknown();
     }
 
@@ -294,6 +296,42 @@ private:
             share_,
             best_share,
             {names_[best]}};
+    }
+
+    // The others must agree without these two, and without no other pair nearly as well.
+    std::optional<Diagnosis> two_cameras() const {
+        if (views_.size() < kLeastForTwo) return std::nullopt;
+        const std::vector<std::size_t> order = suspects();
+        double best_share = 0.0, second_share = 0.0;
+        std::pair<std::size_t, std::size_t> best;
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            for (std::size_t k = i + 1; k < order.size(); ++k) {
+                if (!goes_on()) return std::nullopt;
+                const auto pair = std::minmax(order[i], order[k]);
+                Views views = views_;
+                views.erase(views.begin() + static_cast<std::ptrdiff_t>(pair.second));
+                views.erase(views.begin() + static_cast<std::ptrdiff_t>(pair.first));
+                const double share = share_of(views);
+                second_share = std::max(second_share, std::min(share, best_share));
+                if (share <= best_share) continue;
+                best_share = share;
+                best = pair;
+            }
+        }
+        if (!convinces(best_share) || 1.0 - best_share > kResidualShare * (1.0 - second_share))
+            return std::nullopt;
+        return Diagnosis{
+            Cause::kTwoCameras,
+            fmt::format("{0} and {1} contradict all others, which agree: they were moved since the "
+                        "calibration, their entries in the rig are older or wrong, their pictures "
+                        "are of another instant, or their silhouettes are wrong; look at them with "
+                        "--preview; `calibrate check` says how far they are off; to go on without "
+                        "them, delete their [[camera]] in rig.toml",
+                        names_[best.first],
+                        names_[best.second]),
+            share_,
+            best_share,
+            {names_[best.first], names_[best.second]}};
     }
 
     Diagnosis unknown() const {

@@ -22,6 +22,7 @@ enum class Cause : std::uint8_t {
     kMirrored,     // they are mirrored left-right
     kFlipped,      // they are mirrored upside down
     kOneCamera,    // one camera contradicts all others otherwise
+    kTwoCameras,   // two cameras do, and four or more others agree
     kUnknown,
 };
 
@@ -50,7 +51,7 @@ bool distort_much(std::span<const views::NamedView> views);
 
 /// Finds why silhouettes of one instant do not fit together: tries what people get wrong (inverted
 /// extrinsics, OpenGL's axes, exchanged cameras, scaled intrinsics, pictures without distortion,
-/// pictures of all cameras or of one that were turned or mirrored, one camera that moved), and
+/// pictures of all cameras or of one that were turned or mirrored, one or two cameras that moved), and
 /// names what explains the silhouettes so much better that chance is out of the question. nullopt
 /// if the silhouettes fit. Silhouettes of one instant may mislead: trust what several instants say.
 ///

@@ -206,8 +206,9 @@ void RigWatch::judge_agreement(const Look& look,
                     agreement.cameras[worst].share(),
                     is_certain ? fmt::format(" explained_then={:.2f}", diagnosis->share_if) : ""),
         diagnosis->text);
-    // a camera that contradicts all others may have been moved, too
-    finding.explains = is_certain && diagnosis->cause != Cause::kOneCamera;
+    // cameras that contradict all others may have been moved, too
+    finding.explains = is_certain && diagnosis->cause != Cause::kOneCamera &&
+                       diagnosis->cause != Cause::kTwoCameras;
 }
 
 bool RigWatch::stands(const Finding& finding) const {

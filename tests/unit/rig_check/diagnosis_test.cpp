@@ -310,5 +310,28 @@ TEST(Diagnosis, FindsTheOneCameraThatMoved) {
         << score.text;
 }
 
+TEST(Diagnosis, FindsTwoCamerasOfAnOlderCalibration) {
+    int num_named = 0;
+    for (std::uint64_t seed = 1; seed <= kNumSeeds; ++seed) {
+        auto views = symmetric_scene(seed, 6 + static_cast<int>(seed % 3));
+        Random random(seed);
+        const auto first =
+            static_cast<std::size_t>(test::between(random, 0, static_cast<int>(views.size()) - 2));
+        const auto second = static_cast<std::size_t>(
+            test::between(random, static_cast<int>(first) + 1, static_cast<int>(views.size()) - 1));
+        for (const std::size_t i : {first, second}) {
+            auto& pose = views[i].view.camera_from_site;
+            pose.translation += 0.5 * test::random_direction(random);
+        }
+        const auto diagnosis = diagnose(views, {});
+        if (!diagnosis || diagnosis->cause != Cause::kTwoCameras) continue;
+        ++num_named;
+        EXPECT_THAT(diagnosis->cameras, testing::ElementsAre(views[first].name, views[second].name))
+            << seed;
+        EXPECT_NE(diagnosis->text.find("contradict all others, which agree"), std::string::npos);
+    }
+    EXPECT_GE(num_named, of_seeds(6));
+}
+
 }  // namespace
 }  // namespace atrium::rig_check

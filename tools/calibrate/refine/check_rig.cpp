@@ -167,9 +167,11 @@ void check_silhouettes(const config::Rig& rig,
     const double coverage = coverage_of(take, all, rig.cameras);
     const rig_check::Cause cause = check_coverage(take, coverage, check);
     const bool blames_one = cause == rig_check::Cause::kOneCamera;
+    const bool blames_two = cause == rig_check::Cause::kTwoCameras;
     // no refined pose mends swapped cameras or mirrored pictures; it would hide them
-    if (cause != rig_check::Cause::kUnknown && !blames_one) return;
-    if (!blames_one) check_silent_cameras(rig, report, recording_name, coverage, check);
+    if (cause != rig_check::Cause::kUnknown && !blames_one && !blames_two) return;
+    if (!blames_one && !blames_two)
+        check_silent_cameras(rig, report, recording_name, coverage, check);
     const auto mend = [&](const std::string& option) {
         return fmt::format("`calibrate refine {} {}--recording {} -o mended.toml`",
                            rig_name,

@@ -82,7 +82,8 @@ RefinedVerdict judge_refined(const Refined& refined,
         if (turned_deg > kFar_deg || moved_mm > kFar_mm)
             verdict.problems.push_back(fmt::format(
                 "camera '{}' would turn by {:.1f} degrees and move by {:.0f} mm, too far for this "
-                "refinement to be sure: calibrate it again",
+                "refinement to be sure: calibrate it again; if that is impossible, because the "
+                "recording is old, write it with --force and look at the person",
                 old[c].name,
                 turned_deg,
                 moved_mm));
