@@ -9,6 +9,14 @@
 #include <vector>
 
 namespace atrium::model {
+namespace {
+
+bool is_file(const std::filesystem::path& path) {
+    std::error_code failure;
+    return std::filesystem::is_regular_file(path, failure);
+}
+
+}  // namespace
 
 // Null if too many files are noted already.
 RecordedFiles::Noted* RecordedFiles::note(const char* file) const {
@@ -19,23 +27,25 @@ RecordedFiles::Noted* RecordedFiles::note(const char* file) const {
     return &files_.emplace(path, Noted{file_stamp(path), {}}).first->second;
 }
 
-// Assimp asks for the path that the model names, behind the model's folder.
+// Assimp asks for the path that the model names, behind the model's folder, and for parts of it,
+// which may be folders.
 std::string RecordedFiles::found(const char* file) const {
-    std::error_code failure;
-    if (std::filesystem::exists(file, failure)) return file;
+    const std::string name = last_name_of(file);
+    if (name.empty() || is_file(file)) return file;
     const std::filesystem::path beside = file_beside(model_, file);
-    return (beside.empty() ? model_.parent_path() / last_name_of(file) : beside).string();
+    return (beside.empty() ? model_.parent_path() / name : beside).string();
 }
 
 bool RecordedFiles::Exists(const char* file) const {
     const std::string name = found(file);
     note(name.c_str());
-    return DefaultIOSystem::Exists(name.c_str());
+    return is_file(name);
 }
 
 Assimp::IOStream* RecordedFiles::Open(const char* file, const char* mode) {
     const std::string name = found(file);
     Noted* noted = note(name.c_str());
+    if (!is_file(name)) return nullptr;  // a folder would open, and fail to be read
     Assimp::IOStream* stream = DefaultIOSystem::Open(name.c_str(), mode);
     if (stream == nullptr || noted == nullptr || noted->fingerprint.is_known()) return stream;
     // Assimp opens a file several times: the first time counts

@@ -288,6 +288,7 @@ Expected<Conclusion> conclude(const ForeignRig& foreign, const Said& said) {
                         foreign.format,
                         unsized));
     }
+    read_point_offsets(sized);
     return Concluder(sized, said).run();
 }
 

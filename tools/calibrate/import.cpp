@@ -6,6 +6,7 @@
 #include "tools/calibrate/compare_sizes.hpp"
 #include "tools/calibrate/formats/rig_file.hpp"
 #include "tools/calibrate/judge/other_size.hpp"
+#include "tools/calibrate/picture_size.hpp"
 #include "tools/calibrate/recording/make_recording.hpp"
 #include "tools/calibrate/recording/room_checks.hpp"
 #include "tools/calibrate/recording/words.hpp"
@@ -348,6 +349,7 @@ Expected<ImportReport> import(const ImportOptions& options) {
     auto foreign = read_foreign(*files, options.format, options.cameras);
     if (!foreign) return tl::unexpected(foreign.error());
     set_calibrated_size(*foreign, options.said);
+    read_point_offsets(*foreign);  // before they are scaled
     if (!options.recording.empty()) return import_recording(*foreign, options);
     drop_markers(*foreign);
     if (auto counted = check_number(*foreign, options); !counted)

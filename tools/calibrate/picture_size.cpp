@@ -12,12 +12,29 @@ namespace atrium::calibrate {
 namespace {
 
 constexpr double kRounding_px = 2.0;  // programs round to even sizes
+constexpr double kNearZero = 0.15;    // of a picture's side
 
 std::array<int, 2> size_of(const geometry::PinholeCamera& lens) {
     return {lens.width, lens.height};
 }
 
 }  // namespace
+
+void read_point_offsets(ForeignRig& rig) {
+    const auto is_offset = [](const ForeignCamera& camera) {
+        const geometry::PinholeCamera& k = camera.lens;
+        return camera.has_lens && k.width > 0 && k.height > 0 &&
+               std::abs(k.cx) < kNearZero * k.width && std::abs(k.cy) < kNearZero * k.height;
+    };
+    if (rig.cameras.empty() || !std::ranges::all_of(rig.cameras, is_offset)) return;
+    for (ForeignCamera& camera : rig.cameras) {
+        camera.lens.cx += 0.5 * (camera.lens.width - 1);
+        camera.lens.cy += 0.5 * (camera.lens.height - 1);
+    }
+    rig.checks.push_back(
+        "lens: the principal points lie near 0, so they are read as offsets from the middle of the "
+        "picture, as Meshroom, Metashape and RealityCapture write them");
+}
 
 double shape_difference(const std::array<int, 2>& a, const std::array<int, 2>& b) {
     if (std::min({a[0], a[1], b[0], b[1]}) <= 0) return 0.0;

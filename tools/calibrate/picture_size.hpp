@@ -15,6 +15,11 @@ inline constexpr double kMostDifference = 0.01;
 /// one, with scaled intrinsics. Error kConfiguration for another shape.
 Expected<void> set_picture_size(ForeignCamera& camera, const std::array<int, 2>& size);
 
+/// Adds the middle of the picture to principal points that are offsets from it, as Meshroom,
+/// Metashape and RealityCapture write them: of all cameras they lie near pixel 0, where no
+/// principal point is. Says so in `checks`. Does nothing as long as a picture size is unknown.
+void read_point_offsets(ForeignRig& rig);
+
 /// How far the shapes of two picture sizes differ, as a share; 0 if rounding by two pixels explains
 /// it, as of pictures that were scaled, or without a size.
 double shape_difference(const std::array<int, 2>& a, const std::array<int, 2>& b);

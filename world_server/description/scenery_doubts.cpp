@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace atrium::world_server {
@@ -16,6 +17,9 @@ constexpr double kDrawn_m = 100.0;   // viewers draw nothing further away (rende
 constexpr double kUseless_m = 10.0;  // solid scenery this far outside is touched by nothing
 constexpr double kSmallest_m = 0.05;
 constexpr double kInside_m = 0.001;
+constexpr double kOfSide = 0.05;  // shares of the scenery's size
+constexpr double kOfDepth = 0.25;
+const Eigen::Quaterniond kAsInFile = Eigen::Quaterniond::Identity();
 
 // False if nothing is wrong.
 bool doubt_size(const WorldDescription& world,
@@ -96,12 +100,39 @@ void doubt_sight(const WorldDescription& world,
                         : "if its file has +Y up, write roll_pitch_yaw_deg = [90, 0, 0]; else "));
 }
 
+// A file with +Y up lies on its side: it begins at y = 0, and its depth is half below the floor.
+void doubt_upright(const WorldDescription& world,
+                   const WorldScenery& scenery,
+                   std::vector<std::string>& lines) {
+    const geometry::RigidTransform& pose = scenery.world_from_model;
+    if (model::is_gltf(scenery.look.model) || !pose.rotation.isApprox(kAsInFile)) return;
+    const Eigen::Vector3d size = scenery.box.size();
+    const Eigen::Vector3d lowest = scenery.box.min - pose.translation;
+    const Eigen::Vector3d highest = scenery.box.max - pose.translation;
+    const bool begins_at_zero = std::abs(lowest.y()) < kOfSide * size.y() && size.y() > size.z();
+    const bool is_even = std::abs(lowest.z() + highest.z()) < kOfDepth * size.z();
+    const auto is_half_below = [&](const WorldObject& object) {
+        if (object.rigid.shape != physics::ObjectShape::kPlane || object.rigid.mass_kg != 0.0)
+            return false;
+        const geometry::Aabb box = moved(object.rigid.world_from_object.inverse(), scenery.box);
+        return box.min.z() < -kOfDepth * size.z() && box.max.z() > kOfDepth * size.z();
+    };
+    const auto floor = std::ranges::find_if(world.objects, is_half_below);
+    if (!begins_at_zero || !is_even || floor == world.objects.end()) return;
+    lines.push_back(
+        fmt::format("scenery_looks_wrong name={} reason=\"half of it is below {}, as if it lay on "
+                    "its side: if its file has +Y up, write roll_pitch_yaw_deg = [90, 0, 0]\"",
+                    scenery.name,
+                    floor->name));
+}
+
 }  // namespace
 
 void doubt_scenery(const WorldDescription& world, std::vector<std::string>& lines) {
     for (const WorldScenery& scenery : world.scenery) {
         if (doubt_size(world, scenery, lines) || doubt_place(world, scenery, lines)) continue;
         doubt_sight(world, scenery, lines);
+        doubt_upright(world, scenery, lines);
     }
 }
 

@@ -69,6 +69,19 @@ TEST_F(WorldDoubts, NameAFileOfColoursThatIsNotThere) {
     EXPECT_THAT(doubts(car), IsEmpty());
 }
 
+// Assimp asks for parts of the path of as many letters as the missing name, which may be folders.
+TEST_F(WorldDoubts, NameAFileOfColoursThatIsNotThereInAnyFolder) {
+    for (std::size_t num_letters = 1; num_letters <= 16; ++num_letters) {
+        const std::string folder(num_letters, 'f');
+        std::filesystem::create_directories(folder_ / folder);
+        put(folder + "/car.obj", kTwoColours);
+        EXPECT_THAT(doubts("[[object]]\nname = \"car\"\nshape = \"convex\"\nmodel = \"" + folder +
+                           "/car.obj\"\nmass_kg = 1\n"),
+                    ElementsAre(HasSubstr("the file of its colours is not there")))
+            << folder;
+    }
+}
+
 TEST_F(WorldDoubts, ReadColoursWhereverTheModelSaysTheyAre) {
     put("two.mtl", "newmtl red\nKd 0.8 0.1 0.1\nnewmtl green\nKd 0.1 0.8 0.1\n");
     const std::string without_key =

@@ -279,5 +279,22 @@ TEST_F(WorldDoubts, PlacesOfScenery) {
     EXPECT_THAT(doubts(hall + rock("position_m = [-0.1, -0.1, 0.9]")), IsEmpty());
 }
 
+TEST_F(WorldDoubts, SceneryThatLiesOnItsSide) {
+    // 4 m high along +Y, 2 m wide and deep about its trunk
+    put("palm.obj",
+        "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv 0 4 0\n"
+        "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n");
+    const auto palm = [](const std::string& rest) {
+        return "[[scenery]]\nname = \"palm\"\nmodel = \"palm.obj\"\n" + rest + "\n";
+    };
+    const auto lies = ElementsAre(HasSubstr(
+        "scenery_looks_wrong name=palm reason=\"half of it is below floor, as if it lay on "
+        "its side: if its file has +Y up, write roll_pitch_yaw_deg = [90, 0, 0]\""));
+    EXPECT_THAT(doubts(kFloor + palm("position_m = [1, 2, 0]")), lies);
+    EXPECT_THAT(doubts(kFloor + palm("roll_pitch_yaw_deg = [90, 0, 0]")), IsEmpty());
+    EXPECT_THAT(doubts(kFloor + palm("position_m = [0, 0, 1]")), IsEmpty()) << "lies on the floor";
+    EXPECT_THAT(doubts(palm("")), IsEmpty()) << "no floor";
+}
+
 }  // namespace
 }  // namespace atrium::world_server

@@ -1,6 +1,7 @@
 #include "tools/calibrate/formats/format.hpp"
 
 #include "tools/calibrate/formats/folder_files.hpp"
+#include "tools/calibrate/formats/unread_formats.hpp"
 #include "tools/calibrate/names/name_parts.hpp"
 #include "tools/calibrate/names/rig_name.hpp"
 
@@ -22,10 +23,6 @@ bool is_colmap(const fs::path& file) {
            name == "images.txt";
 }
 
-constexpr const char* kCureOfOthers =
-    "write it as YAML of OpenCV, for each camera camera_matrix, distortion, image_width, "
-    "image_height, R and T (docs/calibrate.md)";
-
 // Finds the format from the first file's name and content.
 Expected<Format> guess(const fs::path& file) {
     if (is_colmap(file)) return Format::kColmap;
@@ -41,15 +38,11 @@ Expected<Format> guess(const fs::path& file) {
     const auto has = [&](const char* word) { return text->find(word) != std::string::npos; };
     const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");
     const char start = first == std::string::npos ? '\0' : (*text)[first];
-    if (start == '{' && has("\"transform_matrix\"") && has("\"frames\"")) {
+    if (const std::string unread = unread_format(*text); !unread.empty()) {
         return make_error(
             ErrorKind::kConfiguration,
-            fmt::format("{}: a transforms.json of NeRF or Blender, a format that is not read; "
-                        "give the model of COLMAP from which it was made (sparse/0), or {}; read "
-                        "are {}",
-                        file.string(),
-                        kCureOfOthers,
-                        fmt::join(format_names(), ", ")));
+            fmt::format(
+                "{}: {}; read are {}", file.string(), unread, fmt::join(format_names(), ", ")));
     }
     if (start == '<') {
         if (has("<opencv_storage")) return Format::kOpenCv;
@@ -311,13 +304,16 @@ Expected<ForeignRig> read_foreign(const Files& files,
         return make_error(
             ErrorKind::kConfiguration,
             fmt::format("{}: {} cameras found as {}{}; a rig has 2 to {}: give the files of all "
-                        "cameras, or another --{}{}{}",
+                        "cameras, or another --{}{}{}{}",
                         where,
                         rig->cameras.size(),
                         rig->format,
                         wanted.empty() ? "" : " with the names of --cameras",
                         kMaxCameras,
                         wanted.empty() ? "format" : "cameras",
+                        rig->cameras.empty() && wanted.empty()
+                            ? fmt::format("; of any other program: {}", kCureOfOthers)
+                            : "",
                         rig->problems.empty() ? "" : "; ",
                         fmt::join(rig->problems, "; ")));
     }

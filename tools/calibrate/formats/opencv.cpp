@@ -329,6 +329,12 @@ Expected<ForeignRig> read_opencv(const Files& files) {
     std::vector<std::string> unknown;
     for (const Tree& tree : trees)
         if (!is_complete) add_unknown_keys(tree, words, unknown);
+    for (std::size_t i = 0; trees.size() > 1 && !is_complete && i < trees.size(); ++i) {
+        CameraKeys alone(words);
+        if (alone.add(trees[i], files[i], names[i]) && alone.cameras().empty())
+            rig.problems.push_back(
+                fmt::format("{}: nothing in it is understood", files[i].string()));
+    }
     if (!unknown.empty()) {
         rig.problems.push_back(
             fmt::format("these keys are not understood: {}; understood are camera_matrix or K, "
