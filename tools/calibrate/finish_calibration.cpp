@@ -2,6 +2,7 @@
 
 #include "tools/calibrate/calibrated_rig.hpp"
 #include "tools/calibrate/front.hpp"
+#include "tools/calibrate/judge/rig_judge.hpp"
 #include "tools/calibrate/report/report.hpp"
 
 #include <fmt/chrono.h>
@@ -108,7 +109,10 @@ private:
                 fmt::format("the frame of {} cannot be kept: one light gives no scale to compare "
                             "the rigs with; leave --frame-of out",
                             options_.frame_of.string()));
-        if (has_scale_) check_tape(solved);
+        if (has_scale_) {
+            check_tape(solved);
+            check_lengths(solved);
+        }
         auto conclusion = conclude(foreign, said_);
         if (!conclusion) return tl::unexpected(conclusion.error());
         rig_ = std::move(conclusion->rig);
@@ -139,6 +143,17 @@ private:
         else
             report_.told.push_back(text);
         return {};
+    }
+
+    // The file of another wand or board makes a rig of another size, whose errors are as small.
+    void check_lengths(const config::Rig& rig) {
+        const double distance_m = measure_convergence(rig.cameras).median_distance;
+        if (!is_small_room(distance_m)) return;
+        report_.checks.push_back(fmt::format(
+            "lengths: {} m from the cameras to the place that they look at is small "
+            "for a person: is the file of {} that of the one which they saw, in metres?",
+            length_text(distance_m),
+            options_.body));
     }
 
     // The wand has a scale, so a measured distance is not needed for one: it checks the wand.

@@ -24,6 +24,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A sweep reaches into this share of the pictures at each side, in some camera.
+constexpr double kBorder = 0.15;
+constexpr std::size_t kManyPoints = 400;
+
 struct WandCommand {
     fs::path points;
     fs::path wand;
@@ -43,6 +47,11 @@ struct WandInput {
     LightPoints points;
     std::vector<NominalCamera> nominal;
 };
+
+const geometry::CalibratedCamera* find_camera(const config::Rig& rig, const std::string& name) {
+    const auto found = std::ranges::find(rig.cameras, name, &geometry::CalibratedCamera::name);
+    return found == rig.cameras.end() ? nullptr : &*found;
+}
 
 // `sizes`: of the pictures of a sweep; empty for points of a file.
 Expected<std::vector<NominalCamera>> nominal_cameras(const WandCommand& options,
@@ -68,13 +77,12 @@ Expected<std::vector<NominalCamera>> nominal_cameras(const WandCommand& options,
         if (!sizes.empty()) nominal = sizes[cameras.size()];
         if (options.focal_px > 0.0) nominal.focal_px = options.focal_px;
         if (like) {
-            const auto found =
-                std::ranges::find(like->cameras, camera.name, &geometry::CalibratedCamera::name);
-            if (found == like->cameras.end() && !sizes.empty()) {
+            const auto* const found = find_camera(*like, camera.name);
+            if (found == nullptr && !sizes.empty()) {
                 cameras.push_back(nominal);  // a new one
                 continue;
             }
-            if (found == like->cameras.end())
+            if (found == nullptr)
                 return make_error(ErrorKind::kConfiguration,
                                   fmt::format("{}: has no camera '{}', which {} names",
                                               options.like.string(),
@@ -110,8 +118,56 @@ Expected<std::vector<NominalCamera>> nominal_cameras(const WandCommand& options,
     return cameras;
 }
 
+// Doubts about --size, which nothing in the points states. --force goes on.
+Expected<void> check_size(const WandCommand& options,
+                          const LightPoints& points,
+                          const std::optional<PreviousRig>& previous) {
+    if (!options.size || options.finish.force) return {};
+    const auto [width, height] = *options.size;
+    Eigen::Vector2d lowest = Eigen::Vector2d::Constant(1e9);
+    Eigen::Vector2d highest = Eigen::Vector2d::Zero();
+    std::size_t num_points = 0;
+    for (const LightCamera& camera : points) {
+        num_points += camera.points.size();
+        for (const LightPoint& point : camera.points) {
+            lowest = lowest.cwiseMin(point.px);
+            highest = highest.cwiseMax(point.px);
+        }
+        const auto* const before = previous ? find_camera(previous->rig, camera.name) : nullptr;
+        if (before == nullptr ||
+            (before->intrinsics.width == width && before->intrinsics.height == height))
+            continue;
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("--size {}x{}: in {} the pictures of '{}' have {}x{} px: say that, or "
+                        "--like {}; if they have another size now, --force",
+                        width,
+                        height,
+                        previous->file.string(),
+                        camera.name,
+                        before->intrinsics.width,
+                        before->intrinsics.height,
+                        previous->file.string()));
+    }
+    const Eigen::Array2d size(width, height);
+    const bool is_corner =
+        (lowest.array() < kBorder * size).all() && (highest.array() < (1.0 - kBorder) * size).all();
+    if (num_points < kManyPoints || !is_corner) return {};
+    return make_error(ErrorKind::kConfiguration,
+                      fmt::format("--size {}x{}: no light of any camera is right of x = {:.0f} or "
+                                  "below y = {:.0f}: are the pictures smaller? If they are not, "
+                                  "--force",
+                                  width,
+                                  height,
+                                  highest.x(),
+                                  highest.y()));
+}
+
 // Fills `options.points`, too.
-Expected<WandInput> wand_input(WandCommand& options, const Wand& wand, std::stop_token stop) {
+Expected<WandInput> wand_input(WandCommand& options,
+                               const Wand& wand,
+                               const std::optional<PreviousRig>& previous,
+                               std::stop_token stop) {
     WandInput input;
     if (options.points.empty()) {
         options.points = points_file(options.sweep, options.finish.output);
@@ -126,6 +182,8 @@ Expected<WandInput> wand_input(WandCommand& options, const Wand& wand, std::stop
     }
     if (const std::string twins = same_pictures(input.points); !twins.empty())
         return make_error(ErrorKind::kInvalidData, twins);
+    if (auto fits = check_size(options, input.points, previous); !fits)
+        return tl::unexpected(fits.error());
     auto nominal = nominal_cameras(options, input.points, input.nominal);
     if (!nominal) return tl::unexpected(nominal.error());
     input.nominal = std::move(*nominal);
@@ -160,7 +218,7 @@ Expected<void> run_wand(WandCommand& options) {
     std::optional<app::StopOnSignal> on_signal;
     if (options.points.empty()) on_signal.emplace();
     const auto input =
-        wand_input(options, wand, on_signal ? on_signal->token() : std::stop_token());
+        wand_input(options, wand, *previous, on_signal ? on_signal->token() : std::stop_token());
     if (!input) return tl::unexpected(input.error());
     WandOptions how;
     how.lens = options.has_third ? LensFreedom::kAllAndThird : LensFreedom::kAll;

@@ -117,9 +117,11 @@ FilmedRoom show(const std::vector<Board>& boards, const ShowOptions& options) {
         for (std::uint32_t instant = 0; instant < options.num_instants; ++instant) {
             std::uint32_t first = 0;
             // drawn only if wanted, so that rooms with a trigger stay as they are
-            const double jitter = options.jitter_instants > 0.0
-                                      ? options.jitter_instants * (2.0 * chance(rng) - 1.0)
-                                      : 0.0;
+            const bool jitters =
+                options.jitter_instants > 0.0 &&
+                (options.jitter_share >= 1.0 || chance(rng) < options.jitter_share);
+            const double jitter =
+                jitters ? options.jitter_instants * (2.0 * chance(rng) - 1.0) : 0.0;
             for (std::size_t b = 0; b < boards.size(); ++b) {
                 const double time = instant / options.rest * options.rest - jitter -
                                     (is_last ? options.late_instants : 0.0);

@@ -24,6 +24,7 @@ struct ShowOptions {
     double late_instants = 0.0;  // of the last camera
     /// Cameras without a trigger: each picture of each is up to this much early or late.
     double jitter_instants = 0.0;
+    double jitter_share = 1.0;  // of the pictures; the others are in time
     /// [instants] The board stays this long in one place. 1: it always moves.
     std::uint32_t rest = 1;
     bool is_last_mirrored = false;  // the pictures of the last camera

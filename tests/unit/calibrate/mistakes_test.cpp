@@ -236,8 +236,9 @@ TEST_F(Mistakes, FormatsThatAreNotReadAreNamedWithTheCure) {
                 AllOf(HasSubstr("transforms.json: a transforms.json of NeRF or Blender"),
                       HasSubstr("sparse/0"),
                       HasSubstr("read are opencv, qualisys")));
-    EXPECT_THAT(error_of("cameras.xml", "<document version=\"2.0.0\"></document>"),
-                AllOf(HasSubstr("not recognised"), HasSubstr("write it as YAML of OpenCV")));
+    EXPECT_THAT(
+        error_of("cameras.xml", "<document version=\"2.0.0\"></document>"),
+        AllOf(HasSubstr("not recognised"), HasSubstr("write it as YAML or JSON of OpenCV")));
 }
 
 TEST_F(Mistakes, KeysThatAreNotUnderstoodAreListed) {

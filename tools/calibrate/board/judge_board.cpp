@@ -8,8 +8,9 @@
 namespace atrium::calibrate {
 namespace {
 
-constexpr double kUsableBoard_px = 1.5;  // cameras without a trigger see the board's motion
-constexpr double kManyBoardOutliers = 0.25;
+constexpr double kUsableBoard_px = 1.5;      // cameras without a trigger see the board's motion
+constexpr double kManyBoardOutliers = 0.25;  // of one camera
+constexpr double kManyOutliersOfAll = 0.05;  // of all: no single one is to blame
 constexpr double kSmallBoardCoverage = 0.3;
 constexpr double kLateBoard = 0.25;  // instants
 constexpr std::size_t kFewViews = 15, kTooFewViews = 5;
@@ -26,6 +27,7 @@ public:
     Verdict run() {
         for (const Ambiguity& ambiguity : solution_.ambiguities) judge(ambiguity);
         for (std::size_t c = 0; c < rig_.cameras.size(); ++c) judge_camera(c);
+        judge_outliers();
         if (rig_.held_out_px > kUsableBoard_px)
             verdict_.problems.push_back(
                 fmt::format("errors of {:.2f} px are no calibration: is the board flat, and did "
@@ -54,6 +56,24 @@ public:
 
 private:
     const std::string& name(std::size_t c) const { return rig_.bundle.cameras[c].name; }
+
+    // Outliers do not count as errors, but what made them bends the cameras as well.
+    void judge_outliers() {
+        std::size_t num_outliers = 0, num_all = 0;
+        for (const CameraFigures& figures : rig_.cameras) {
+            num_outliers += figures.num_outliers;
+            num_all += figures.num_outliers + figures.num_used;
+        }
+        const double share = static_cast<double>(num_outliers) /
+                             static_cast<double>(std::max<std::size_t>(num_all, 1));
+        if (share <= kManyOutliersOfAll || !verdict_.problems.empty()) return;
+        verdict_.problems.push_back(fmt::format(
+            "{:.0f} % of all corners contradict the others: the board moved between the pictures "
+            "of "
+            "an instant, because the cameras have no common trigger, or this computer is too slow "
+            "for them: hold the board still at each place, or take fewer pictures per second",
+            100.0 * share));
+    }
 
     void judge(const Ambiguity& ambiguity) {
         verdict_.problems.push_back(fmt::format(

@@ -201,8 +201,10 @@ std::string length_text(double length) {
                           : fmt::format("{:.3g}", length);
 }
 
+bool is_small_room(double distance_m) { return distance_m < kSmallForPerson_m; }
+
 std::string doubt_small_room(double distance_m, const std::string& from, const std::string& to) {
-    if (distance_m >= kSmallForPerson_m) return {};
+    if (!is_small_room(distance_m)) return {};
     return fmt::format(
         "lengths: {} m from the cameras to the place that they look at is small for a person; if "
         "lengths are squares of a chessboard, measure the distance between two cameras: --distance "
@@ -215,7 +217,7 @@ std::string doubt_small_room(double distance_m, const std::string& from, const s
 std::string doubt_small_measured(double distance_m,
                                  const std::string& from,
                                  const std::string& to) {
-    if (distance_m >= kSmallForPerson_m) return {};
+    if (!is_small_room(distance_m)) return {};
     return fmt::format(
         "lengths: {} m from the cameras to the place that they look at is small for a person; if "
         "the room is larger, measure the distance between {} and {} again: --distance {} {} METRES",

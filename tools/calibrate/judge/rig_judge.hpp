@@ -54,6 +54,9 @@ UnitChoice choose_unit(double median_distance, const std::string& prescribed);
 /// Three digits without an exponent: "4410", "0.97", "0.0000441".
 std::string length_text(double length);
 
+/// Whether cameras stand so near to what they look at that no person fits between them.
+bool is_small_room(double distance_m);
+
 /// A doubt about a unit that was found out, if it makes cameras stand so near, `distance_m`, to
 /// what they look at that no person fits between them; empty if it is usual. `from`, `to`: two
 /// cameras.

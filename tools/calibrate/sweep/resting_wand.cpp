@@ -28,15 +28,17 @@ Expected<RestingWand> RestingWand::make(const Wand& wand, std::vector<NominalCam
                           "flat shape that looks different turned; or --points of lights with "
                           "numbers");
     const std::size_t num_needed = wand.form() == WandForm::kLine ? kLinePlaces : 1;
-    return RestingWand(std::move(*labeller), std::move(cameras), num_needed);
+    return RestingWand(std::move(*labeller), std::move(cameras), num_needed, wand.size());
 }
 
 RestingWand::RestingWand(LightLabeller labeller,
                          std::vector<NominalCamera> cameras,
-                         std::size_t num_needed)
+                         std::size_t num_needed,
+                         std::size_t num_lights)
     : labeller_(std::move(labeller)),
       cameras_(std::move(cameras)),
       num_needed_(num_needed),
+      num_lights_(num_lights),
       wand_px_(cameras_.size()) {
     for (const NominalCamera& camera : cameras_) points_.push_back({camera.name, {}});
 }
@@ -50,6 +52,7 @@ void RestingWand::add(const std::vector<std::optional<DetectedLights>>& seen) {
         for (const DetectedLight& light : seen[c]->lights)
             if (spots.size() < kMostSpots) spots.push_back(light.px);
         const auto labels = labeller_.label(spots);
+        if (spots.size() >= num_lights_) ++(labels ? num_like_ : num_unlike_);
         if (!labels) continue;
         for (const std::size_t i : *labels) wand_px_[c].push_back(spots[i]);
         ++num_seeing;
@@ -101,6 +104,13 @@ void RestingWand::take_place() {
 std::string RestingWand::progress() const {
     std::string text = fmt::format("floor: {} of {} places", num_places_, num_needed_);
     if (is_complete()) return text;
+    if (sees_other_wand())
+        return fmt::format(
+            "{}; {} pictures show {} lights or more, but none at the distances that "
+            "the wand has: is --wand the file of this wand?",
+            text,
+            num_unlike_,
+            num_lights_);
     if (resting_.empty())
         return text + (num_places_ == 0
                            ? "; lay the wand down where two cameras see it"

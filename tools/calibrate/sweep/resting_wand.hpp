@@ -37,6 +37,9 @@ public:
         return wand_px_[camera];
     }
 
+    /// Whether many pictures show as many lights as the wand has, and none of them the wand.
+    bool sees_other_wand() const { return num_like_ == 0 && num_unlike_ >= kManyUnlike; }
+
     /// "floor: 1 of 3 places; the wand rests before door, window: 8 of 15 instants".
     std::string progress() const;
 
@@ -44,7 +47,12 @@ public:
     const LightPoints& points() const { return points_; }
 
 private:
-    RestingWand(LightLabeller labeller, std::vector<NominalCamera> cameras, std::size_t num_needed);
+    static constexpr std::size_t kManyUnlike = 30;
+
+    RestingWand(LightLabeller labeller,
+                std::vector<NominalCamera> cameras,
+                std::size_t num_needed,
+                std::size_t num_lights);
     /// Whether a light has moved by so many pixels in a camera, or none sees the wand that saw it
     /// before.
     bool has_moved(const std::vector<std::vector<Eigen::Vector2d>>& before, double most_px) const;
@@ -53,6 +61,8 @@ private:
     LightLabeller labeller_;
     std::vector<NominalCamera> cameras_;
     std::size_t num_needed_;
+    std::size_t num_lights_;
+    std::size_t num_like_ = 0, num_unlike_ = 0;                      // pictures with enough lights
     std::vector<std::vector<Eigen::Vector2d>> wand_px_;              // per camera, per light
     std::deque<std::vector<std::vector<Eigen::Vector2d>>> resting_;  // per instant
     std::vector<std::vector<Eigen::Vector2d>> placed_;               // the last place

@@ -129,10 +129,13 @@ Expected<LightPoints> watch_resting_wand(const SourceOptions& options,
     if (!found.is_complete())
         return make_error(
             ErrorKind::kInvalidData,
-            fmt::format("two cameras saw the wand at rest at {} of {} places: darken the room, let "
-                        "its lights look up, and lay it where cameras see all of them",
-                        found.num_places(),
-                        found.num_needed()));
+            found.sees_other_wand()
+                ? found.progress()
+                : fmt::format("two cameras saw the wand at rest at {} of {} places: darken the "
+                              "room, let its lights look up, and lay it where cameras see all of "
+                              "them",
+                              found.num_places(),
+                              found.num_needed()));
     LightPoints points = found.points();
     std::erase_if(points, [&](const LightCamera& camera) {
         return std::ranges::find(rig.cameras, camera.name, &geometry::CalibratedCamera::name) ==
