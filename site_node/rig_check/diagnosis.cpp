@@ -325,8 +325,7 @@ private:
             fmt::format("{0} and {1} contradict all others, which agree: they were moved since the "
                         "calibration, their entries in the rig are older or wrong, their pictures "
                         "are of another instant, or their silhouettes are wrong; look at them with "
-                        "--preview; `calibrate check` says how far they are off; to go on without "
-                        "them, delete their [[camera]] in rig.toml",
+                        "--preview; to go on without them, delete their [[camera]] in rig.toml",
                         names_[best.first],
                         names_[best.second]),
             share_,

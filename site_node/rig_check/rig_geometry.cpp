@@ -14,6 +14,7 @@ namespace {
 
 // Camera distances [m] that no room has, and those of large halls.
 constexpr double kImpossible_m = 100.0;
+constexpr double kFarFromOrigin_m = 12.0;
 constexpr double kUnusual_m = 40.0;
 constexpr double kTooNear_m = 0.02;
 constexpr double kNear_m = 1.0;  // a person is half a metre wide
@@ -70,6 +71,24 @@ void check_distances(std::span<const geometry::CalibratedCamera> cameras,
                                        : "all translations say the same place; write those of the "
                                          "calibration")});
     }
+}
+
+// People are published in the rig's frame, and worlds are a few metres large.
+void check_origin(std::span<const geometry::CalibratedCamera> cameras,
+                  std::vector<Finding>& findings) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const auto& camera : cameras)
+        middle += camera.centre_site() / static_cast<double>(cameras.size());
+    if (middle.cwiseAbs().maxCoeff() < kFarFromOrigin_m) return;
+    findings.push_back(
+        {false,
+         fmt::format("the cameras stand around a place at ({:.4g}, {:.4g}, {:.4g}) m, so people "
+                     "will be there, and world servers refuse people more than 15 m from the "
+                     "origin: give the rig the frame of its room with `calibrate floor`, or import "
+                     "it again, which moves the origin below the cameras",
+                     middle.x(),
+                     middle.y(),
+                     middle.z())});
 }
 
 bool sees(const geometry::CalibratedCamera& camera, const Eigen::Vector3d& p_site) {
@@ -280,6 +299,7 @@ std::vector<Finding> check_rig(std::span<const geometry::CalibratedCamera> camer
         check_directions(cameras, findings);
         const bool are_read_right = findings.empty();
         if (are_read_right) check_up(cameras, findings);
+        if (are_read_right) check_origin(cameras, findings);
     }
     for (const auto& camera : cameras) check_intrinsics(camera, findings);
     std::stable_partition(

@@ -21,6 +21,7 @@ namespace {
 constexpr double kLowestAim_m = 0.1;
 constexpr double kHighestAim_m = 2.5;
 constexpr double kUsualAim_m = 1.0;
+constexpr double kFarOrigin_m = 10.0;
 constexpr double kLooksUp = 0.05;  // mean sine
 
 tl::unexpected<Error> needs(const std::string& text) {
@@ -164,11 +165,23 @@ void Concluder::find_up() {
 void Concluder::find_floor() {
     const Convergence convergence = measure_convergence(cameras_);
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-    const bool is_floor_of_file = foreign_.has_frame && !is_turned_ && !is_frame_of_camera_;
-    if (!is_floor_of_file) {
-        origin = convergence.point;
-        origin.z() -= kUsualAim_m;
+    const bool has_frame = foreign_.has_frame && !is_turned_ && !is_frame_of_camera_;
+    // as of a surveyor's coordinates, or those of a whole hall
+    const bool is_far = has_frame && convergence.point.cwiseAbs().maxCoeff() > kFarOrigin_m;
+    const bool is_floor_of_file = has_frame && std::abs(convergence.point.z()) <= kFarOrigin_m;
+    if (is_far) {
+        check(
+            fmt::format("origin: the cameras look at a place at ({:.4g}, {:.4g}, {:.4g}) m of the "
+                        "file's frame, too far for a world, so it was moved below that place",
+                        convergence.point.x(),
+                        convergence.point.y(),
+                        convergence.point.z()));
+    } else if (!is_floor_of_file) {
         tell("origin: below the place that the cameras look at");
+    }
+    if (is_far || !is_floor_of_file) {
+        origin = convergence.point;
+        origin.z() = is_floor_of_file ? 0.0 : convergence.point.z() - kUsualAim_m;
     }
     if (measured_.heights.size() == 1) {
         const auto& [camera, metres] = measured_.heights.front();

@@ -12,6 +12,8 @@
 namespace atrium::calibrate {
 namespace {
 
+constexpr double kAxesMiss_rad = 0.28;
+
 // Without rotation and translation, but for rounding.
 bool is_at_origin(const ForeignPose& pose) {
     return pose.rotation.isIdentity(1e-6) && pose.vector.isZero(1e-6);
@@ -25,7 +27,7 @@ void Concluder::read_poses() {
     wanted.opengl = said_.opengl.value_or(wanted.opengl);
     const bool is_said = said_.pose || said_.opengl;
     const bool is_fixed = is_said || foreign_.is_sure_of_poses;
-    unify_units(wanted, is_fixed);
+    if (!foreign_.is_sure_of_poses) unify_units(wanted, is_said);
     ReadingChoice choice = choose_reading(cameras_, poses_, wanted, foreign_.has_matrix_poses);
     const ReadingChoice fitting = choice;
     report_same_poses();
@@ -72,6 +74,13 @@ void Concluder::read_poses() {
         if (!looks[i]) report_elsewhere(i, looks, choice.reading);
         is_frame_of_camera_ = is_frame_of_camera_ || (looks[i] && is_at_origin(poses_[i]));
     }
+    if (num_looking == cameras_.size() && convergence.off_axis > kAxesMiss_rad) {
+        check(
+            fmt::format("poses: the optical axes pass {:.0f} degrees beside the place where they "
+                        "come nearest to each other (mean). If all cameras look at one place, an "
+                        "angle of theirs may have the wrong sign, such as the pitch",
+                        convergence.off_axis * kDegreesPerRad));
+    }
     if (!is_said && !choice.also_possible.empty()) {
         check(
             fmt::format("poses: {} would fit the cameras as well; if the person is broken, try {}",
@@ -80,12 +89,12 @@ void Concluder::read_poses() {
     }
 }
 
-// Files of several scripts that were put together may mix units.
-void Concluder::unify_units(const Reading& wanted, bool is_fixed) {
+// Files of several scripts that were put together may mix units. Those of one program do not.
+void Concluder::unify_units(const Reading& wanted, bool is_said) {
     const auto odd = find_odd_unit(cameras_,
                                    poses_,
                                    wanted,
-                                   is_fixed ? std::optional(wanted) : std::nullopt,
+                                   is_said ? std::optional(wanted) : std::nullopt,
                                    foreign_.has_matrix_poses);
     if (!odd) return;
     std::vector<std::string> names;

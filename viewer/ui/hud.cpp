@@ -128,7 +128,12 @@ std::string nobody_text(const HudContent& content) {
     if (num_sites + num_preparing == 0) return "nobody is here";
     std::string text;
     if (num_sites > 0)
-        text = fmt::format("{} {}, no people yet", num_sites, num_sites == 1 ? "site" : "sites");
+        text = fmt::format("{} {}, {}",
+                           num_sites,
+                           num_sites == 1 ? "site" : "sites",
+                           content.num_rejected == 0
+                               ? "no people yet"
+                               : "whose people are refused: the log says why (person_rejected)");
     if (num_preparing > 0) {
         text += fmt::format("{}{} {} {} preparing",
                             text.empty() ? "" : "; ",

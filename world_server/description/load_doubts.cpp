@@ -192,6 +192,34 @@ void doubt_chains(const WorldDescription& world, double tick_hz, std::vector<std
               lines);
 }
 
+double middle_m(const WorldObject& object) { return start_box_of(to_rigid(object)).centre().z(); }
+
+// Something heavy joined to something light below it: a lid of lead on a box.
+void doubt_pairs(const WorldDescription& world, double tick_hz, std::vector<std::string>& lines) {
+    const auto find = [&](std::uint32_t id) {
+        return std::ranges::find(
+            world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
+    };
+    for (const physics::Joint& joint : world.joints) {
+        auto light = find(joint.a), heavy = find(joint.b);
+        if (light == world.objects.end() || heavy == world.objects.end() ||
+            joint.kind == physics::JointKind::kSpring)
+            continue;
+        if (light->rigid.mass_kg > heavy->rigid.mass_kg) std::swap(light, heavy);
+        const std::string named = fmt::format("name={} ", light->name);
+        const bool is_named = std::ranges::any_of(
+            lines, [&](const std::string& line) { return line.find(named) != line.npos; });
+        if (light->rigid.mass_kg == 0.0 || is_named || middle_m(*heavy) < middle_m(*light))
+            continue;
+        doubt(*light,
+              {heavy->rigid.mass_kg, &*heavy},
+              tick_hz,
+              kLargestStackLoad,
+              "their joint tears",
+              lines);
+    }
+}
+
 }  // namespace
 
 std::map<std::uint32_t, double> carried_kg(const WorldDescription& world) {
@@ -204,6 +232,7 @@ std::map<std::uint32_t, double> carried_kg(const WorldDescription& world) {
 void doubt_loads(const WorldDescription& world, double tick_hz, std::vector<std::string>& lines) {
     doubt_stacks(world, tick_hz, lines);
     doubt_chains(world, tick_hz, lines);
+    doubt_pairs(world, tick_hz, lines);
 }
 
 }  // namespace atrium::world_server

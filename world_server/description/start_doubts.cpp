@@ -231,6 +231,23 @@ void doubt_starts(const WorldDescription& world, std::vector<std::string>& lines
     doubt_outside(world, lines);
 }
 
+// Whether a hinge turns about an axis further beside the object than `allowed_m`. A pendulum hangs
+// below it.
+bool turns_far_beside(const WorldDescription& world,
+                      const physics::Joint& joint,
+                      const WorldObject& object,
+                      double allowed_m) {
+    constexpr double kAbove = 0.7;  // sine
+    if (joint.kind != physics::JointKind::kHinge || !box_of(world.world).contains(joint.anchor_m) ||
+        distance_m(joint.anchor_m, object.rigid) <= allowed_m)
+        return false;
+    const Eigen::Vector3d middle =
+        object.rigid.world_from_object * local_box_of(object.rigid).centre();
+    const Eigen::Vector3d off = joint.anchor_m - middle;
+    const Eigen::Vector3d beside = off - off.dot(joint.axis) * joint.axis;
+    return beside.norm() > allowed_m && beside.z() < kAbove * beside.norm();
+}
+
 void doubt_anchors(const WorldDescription& world, std::vector<std::string>& lines) {
     for (const physics::Joint& joint : world.joints) {
         const WorldObject* a = object_of(world, joint.a);
@@ -258,8 +275,10 @@ void doubt_anchors(const WorldDescription& world, std::vector<std::string>& line
             // frame, or near by from the world's origin
             const double allowed_m = joint.anchor_m.isZero(0.0) ? kNearAnchor_m : kFarAnchor_m;
             const double size_m = local_box_of(a->rigid).size().maxCoeff();
-            if (from_a_m > allowed_m &&
-                local_distance_m(joint.anchor_m, a->rigid) <= std::max(kNearAnchor_m, 0.5 * size_m))
+            const bool is_meant_in_a =
+                from_a_m > allowed_m &&
+                local_distance_m(joint.anchor_m, a->rigid) <= std::max(kNearAnchor_m, 0.5 * size_m);
+            if (is_meant_in_a || turns_far_beside(world, joint, *a, std::max(kFarAnchor_m, size_m)))
                 doubt("anchor_m", joint.anchor_m, from_a_m, a->name);
             continue;
         }

@@ -156,5 +156,63 @@ TEST_F(OddCameras, AMovedOneIsNoOtherUnit) {
     }
 }
 
+// Coordinates of a surveyor, or of a whole hall.
+TEST_F(OddCameras, AllOfThemFarFromTheOriginMoveIt) {
+    for (int seed = 2; seed <= 20; seed += 2) {
+        Room room(seed);
+        const Conclusion near = conclusion_of(room.cameras, 1.0);
+        EXPECT_THAT(near.checks, Not(Contains(HasSubstr("origin:")))) << seed;
+        for (const Eigen::Vector3d& origin : {Eigen::Vector3d(1000.0, 2000.0, 0.0),
+                                              Eigen::Vector3d(-40.0, 3.0, 0.0),
+                                              Eigen::Vector3d(1000.0, 2000.0, 112.0)}) {
+            test::Cameras cameras = room.cameras;
+            for (auto& camera : cameras) {
+                auto& pose = camera.camera_from_site;
+                pose.translation -= pose.rotation * origin;
+            }
+            const Conclusion far = conclusion_of(cameras, 1.0);
+            EXPECT_THAT(far.problems, IsEmpty()) << seed;
+            EXPECT_THAT(
+                far.checks,
+                Contains(HasSubstr("too far for a world, so it was moved below that place")))
+                << seed;
+            Eigen::Vector3d off = Eigen::Vector3d::Zero();
+            for (std::size_t i = 0; i < cameras.size(); ++i)
+                off += (far.rig.cameras[i].centre_site() - near.rig.cameras[i].centre_site()) /
+                       static_cast<double>(cameras.size());
+            EXPECT_LT(off.head<2>().norm(), 1.0) << seed;
+            // the floor of the file stays, or is a metre below what the cameras look at
+            EXPECT_LT(std::abs(off.z()), origin.z() == 0.0 ? 1e-6 : 0.5) << seed;
+        }
+    }
+}
+
+TEST_F(OddCameras, AllOfThemWithAWrongPitchAreDoubted) {
+    int num_doubted = 0;
+    for (int seed = 1; seed <= kNumRooms; ++seed) {
+        Room room(seed);
+        EXPECT_THAT(conclusion_of(room.cameras, 1.0).checks,
+                    Not(Contains(HasSubstr("optical axes pass"))))
+            << seed;
+        for (auto& camera : room.cameras) {
+            auto& pose = camera.camera_from_site;
+            const Eigen::Vector3d centre = camera.centre_site();
+            const Eigen::Vector3d ahead = pose.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+            // as if it were pitched the other way, and further: by 20 degrees up
+            const double pitch_rad = 2.0 * std::asin(ahead.z()) - 0.35;
+            pose.rotation = Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitX()) * pose.rotation;
+            pose.translation = -(pose.rotation * centre);
+        }
+        const Conclusion turned = conclusion_of(room.cameras, 1.0);
+        if (std::ranges::any_of(turned.checks, [](const std::string& text) {
+                return text.find("may have the wrong sign, such as the pitch") != text.npos;
+            }))
+            ++num_doubted;
+        else
+            EXPECT_TRUE(!turned.problems.empty() || !turned.checks.empty()) << seed;
+    }
+    EXPECT_GE(num_doubted, 10) << "rooms in which cameras hang at several heights";
+}
+
 }  // namespace
 }  // namespace atrium::calibrate

@@ -84,6 +84,23 @@ TEST_F(ImportedRoom, InOtherLightIsAProblem) {
                        HasSubstr("--segmentation.background_from people"))));
 }
 
+TEST_F(ImportedRoom, ThatWasExchangedWithAnotherIsNamed) {
+    const auto dark = [](const cv::Mat& picture) { return cv::Mat(picture / 4); };
+    for (int camera = 1; camera <= 3; ++camera) {
+        for (int i = 0; i < 12; ++i) {
+            const cv::Mat seen = picture(4 * i);
+            write(take(fmt::format("cam{}/{:04}.png", camera, i)), camera == 2 ? dark(seen) : seen);
+        }
+        write(take(fmt::format("empty/cam{}.png", camera)),
+              camera == 3 ? dark(picture({})) : picture({}));
+    }
+    EXPECT_THAT(imported().problems,
+                Contains(AllOf(HasSubstr("those of 'cam2' and 'cam3' fit if they are exchanged: "
+                                         "exchange these files, or the videos of the take. Else "
+                                         "film it again"),
+                               Not(HasSubstr("'cam1'")))));
+}
+
 TEST_F(ImportedRoom, WithAPersonInMostCamerasIsAProblem) {
     for (int camera = 1; camera <= 3; ++camera) {
         write_take(camera);

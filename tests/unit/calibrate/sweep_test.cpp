@@ -330,6 +330,22 @@ TEST_F(LayingTheWand, DoesNotCountWhatOneCameraSees) {
     EXPECT_EQ(resting_->num_places(), 0u);
 }
 
+TEST_F(LayingTheWand, NamesAWandOfOtherDistances) {
+    begin({{{0, 0, 0}, {0.1, 0, 0}, {0.35, 0, 0}, {0.6, 0, 0}}});
+    rest(100, 100, 10);
+    EXPECT_FALSE(resting_->sees_other_wand()) << "two cameras, ten instants";
+    rest(100, 100, 10);
+    ASSERT_TRUE(resting_->sees_other_wand());
+    EXPECT_THAT(
+        resting_->progress(),
+        HasSubstr("floor: 0 of 3 places; 40 pictures show 4 lights or more, but none at the "
+                  "distances that the wand has: is --wand the file of this wand?"));
+    EXPECT_EQ(resting_->num_places(), 0u);
+    begin(default_wand());
+    rest(100, 100, 60);
+    EXPECT_FALSE(resting_->sees_other_wand());
+}
+
 TEST_F(LayingTheWand, TakesOnePlaceOfAFlatWand) {
     begin({{{0, 0, 0}, {0.5, 0, 0}, {0, 0.3, 0}, {0.15, 0, 0}, {0.5, 0.1, 0}}});
     EXPECT_EQ(resting_->num_needed(), 1u);

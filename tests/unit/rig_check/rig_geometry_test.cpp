@@ -12,6 +12,7 @@
 namespace atrium::rig_check {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr std::uint64_t kNumRigs = test::kSanitized ? 10 : 60;
@@ -151,6 +152,18 @@ TEST(RigGeometry, CorrectionsUndoTheMistake) {
                                                 : (flip * truth).inverse();
         EXPECT_TRUE(corrected(written, misreading).matrix().isApprox(truth.matrix(), 1e-9));
     }
+}
+
+TEST(RigGeometry, NamesARigFarFromItsOrigin) {
+    auto rig = test::make_ring_rig({.radius_m = 3.0});
+    EXPECT_EQ(text_of(check_rig(rig)), "");
+    for (auto& camera : rig)
+        camera.camera_from_site.translation -=
+            camera.camera_from_site.rotation * Eigen::Vector3d(40.0, -3.0, 0.0);
+    EXPECT_THAT(text_of(check_rig(rig)),
+                AllOf(HasSubstr("the cameras stand around a place at (40, -3, "),
+                      HasSubstr("refuse people more than 15 m from the origin"),
+                      HasSubstr("calibrate floor")));
 }
 
 }  // namespace

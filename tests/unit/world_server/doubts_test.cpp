@@ -54,7 +54,16 @@ TEST_F(WorldDoubts, NameAJointFarFromBothObjects) {
                                       "is 0.8 m away from both objects")));
     EXPECT_THAT(doubts(two + "kind = \"ball\"\nb = \"post\"\nanchor_m = [0, 1, 1]\n"),
                 ElementsAre(HasSubstr("0.8 m away")));
-    EXPECT_THAT(doubts(hinge + "anchor_m = [0, 3, 1]\n"), IsEmpty()) << "a pendulum on the world";
+    EXPECT_THAT(
+        doubts(hinge + "anchor_m = [0, 3, 1]\n"),
+        ElementsAre(HasSubstr("joint_looks_wrong a=gate b=world reason=\"anchor_m [0, 3, 1] "
+                              "is 2.8 m away from gate")));
+    EXPECT_THAT(doubts(box("gate", 1, "position_m = [0, 0, 1]") +
+                       "[[joint]]\na = \"gate\"\nkind = \"hinge\"\naxis = [0, 1, 0]\nanchor_m = "
+                       "[0, 0, 3]\n"),
+                IsEmpty())
+        << "a pendulum";
+    EXPECT_THAT(doubts(hinge + "anchor_m = [0, 0.6, 1]\n"), IsEmpty()) << "a lever";
     const std::string spring =
         two + "kind = \"spring\"\nb = \"post\"\nstiffness_npm = 10\nanchor_m = ";
     EXPECT_THAT(doubts(spring + "[0.2, 0, 1]\nanchor_b_m = [0.8, 0, 1]\n"), IsEmpty());
@@ -138,7 +147,7 @@ TEST_F(WorldDoubts, NameAnAnchorInTheFrameOfItsObject) {
     EXPECT_THAT(doubts(hinge + "anchor_m = [0, 0, 0.35]\n"),
                 ElementsAre(HasSubstr("it is a place in the world")))
         << "a little above the crate in its frame";
-    EXPECT_THAT(doubts(hinge + "anchor_m = [1, 0, 0]\n"), IsEmpty())
+    EXPECT_THAT(doubts(hinge + "anchor_m = [1, 0, 0]\n"), ElementsAre(HasSubstr("is 3 m away")))
         << "outside the crate in its frame, too";
     const std::string near_hinge = box("crate", 1, "position_m = [0.45, 0, 0.2]") +
                                    "[[joint]]\na = \"crate\"\nkind = \"hinge\"\naxis = [0, 0, 1]\n";

@@ -138,6 +138,21 @@ TEST_F(WorldDoubts, NameSomethingLightThatCarriesSomethingHeavy) {
                 ElementsAre(HasSubstr("name=b reason=\"its 0.5 kg carry 70 kg, 140 times")));
 }
 
+TEST_F(WorldDoubts, NameAHeavyLidOnALightBox) {
+    const auto chest = [](double box_kg, double lid_kg) {
+        return kFloor + box("chest", box_kg, "position_m = [0, 0, 0.2]") +
+               box("lid", lid_kg, "position_m = [0, 0, 0.62]") +
+               "[[joint]]\nkind = \"hinge\"\na = \"lid\"\nb = \"chest\"\n"
+               "anchor_m = [0, 0.2, 0.41]\naxis = [1, 0, 0]\n";
+    };
+    EXPECT_THAT(doubts(chest(1, 60)), IsEmpty());
+    EXPECT_THAT(doubts(chest(60, 0.5)), IsEmpty()) << "light on heavy";
+    EXPECT_THAT(doubts(chest(0.5, 80)),
+                ElementsAre(HasSubstr("object_looks_wrong name=chest reason=\"its 0.5 kg carry 80 "
+                                      "kg, 160 times as much; the heaviest is lid with 80 kg: "
+                                      "their joint tears above 100 times")));
+}
+
 TEST_F(WorldDoubts, NameALinkThatCarriesSomethingHeavy) {
     const auto chain = [](double weight_kg) {
         return box("l", 0.5, "position_m = [0, 0, 2]") + box("m", 0.4, "position_m = [0, 0, 1.6]") +

@@ -15,8 +15,7 @@ struct UnreadFormat {
 };
 
 constexpr const char* kCentres =
-    "a camera's centre is t_wc, beside R_cw or R_wc, and principal points may stay offsets from "
-    "the "
+    "a centre is t_wc, beside R_cw or R_wc, and principal points may stay offsets from the "
     "middle: ";
 constexpr std::array<UnreadFormat, 8> kFormats{
     {{"a transforms.json of NeRF or Blender",
@@ -32,7 +31,7 @@ constexpr std::array<UnreadFormat, 8> kFormats{
      {"an XML file of Metashape", {"<document", "<sensor", "<camera"}, kCentres},
      {"a table of RealityCapture", {"#name", "heading", "roll"}, ""},
      {"a bundle.out of Bundler", {"# Bundle file", "", ""}, ""},
-     {"a nvm file of VisualSFM", {"NVM_V3", "", ""}, ""}}};
+     {"an .nvm file of VisualSFM", {"NVM_V3", "", ""}, ""}}};
 
 }  // namespace
 

@@ -84,6 +84,9 @@ struct RoomFinding {
     std::optional<segmentation::RoomGhost> ghost;
     std::optional<std::string> light;
     bool shows_nobody = false;  // no picture of the take differs from the room by a person
+    // With `light`: what is compared, to find rooms that were exchanged.
+    std::vector<std::uint16_t> room_luma;
+    image::Plane take_luma;
 };
 
 bool shows_somebody(segmentation::Segmenter& segmenter, const image::YuvImage& picture) {
@@ -105,8 +108,8 @@ RoomFinding compare_room(const Shots& frames, const Shots& room, std::size_t max
     const segmentation::SteadyPicture steady = segmentation::find_steady_picture(take);
     segmentation::LightScratch scratch;
     if (auto light = segmentation::doubt_of_light(learned->luma, steady.picture.y, scratch))
-        return {std::nullopt, std::move(light), false};
-    RoomFinding found{segmentation::find_ghost(*learned, steady, {}), std::nullopt, false};
+        return {std::nullopt, std::move(light), false, learned->luma, steady.picture.y};
+    RoomFinding found{segmentation::find_ghost(*learned, steady, {}), std::nullopt, false, {}, {}};
     segmentation::Segmenter segmenter(*learned, {});
     found.shows_nobody = std::ranges::none_of(
         take, [&](const image::YuvImage& picture) { return shows_somebody(segmenter, picture); });
@@ -117,6 +120,34 @@ fs::path shown_file(const Shots& shots) {
     return shots.pictures.size() == 1 ? shots.pictures.begin()->second : shots.path;
 }
 
+// A camera whose empty room fits badly.
+struct BadRoom {
+    std::string camera;
+    RoomFinding finding;
+};
+
+bool fits(const BadRoom& room, const BadRoom& take) {
+    segmentation::LightScratch scratch;
+    const image::Plane& picture = take.finding.take_luma;
+    return room.finding.room_luma.size() == picture.data.size() &&
+           !segmentation::doubt_of_light(room.finding.room_luma, picture, scratch);
+}
+
+// "; those of 'a' and 'b' fit if they are exchanged, or if the videos of both are"
+std::string exchanged(const std::vector<BadRoom>& rooms) {
+    std::vector<std::string> pairs;
+    for (std::size_t i = 0; i < rooms.size(); ++i)
+        for (std::size_t k = i + 1; k < rooms.size(); ++k)
+            if (fits(rooms[i], rooms[k]) && fits(rooms[k], rooms[i]))
+                pairs.push_back(
+                    fmt::format("those of '{}' and '{}'", rooms[i].camera, rooms[k].camera));
+    return pairs.empty() ? std::string()
+                         : fmt::format(
+                               "; {} fit if they are exchanged: exchange these files, or "
+                               "the videos of the take",
+                               fmt::join(pairs, ", "));
+}
+
 }  // namespace
 
 std::vector<RoomDoubt> doubt_rooms(const Material& material) {
@@ -124,12 +155,13 @@ std::vector<RoomDoubt> doubt_rooms(const Material& material) {
     std::vector<std::string> ghosts;
     std::vector<std::string> lights;
     std::vector<std::string> empty;
+    std::vector<BadRoom> bad;
     for (const auto& [camera, room] : material.backgrounds) {
         const Look& look = material.looks.at(camera);
         const std::size_t pixels = static_cast<std::size_t>(look.width) *
                                    static_cast<std::size_t>(look.height) *
                                    material.backgrounds.size();
-        const RoomFinding found = compare_room(
+        RoomFinding found = compare_room(
             material.frames.at(camera),
             room,
             std::max(kMaxDecodedPixels / std::max<std::size_t>(pixels, 1), kMostPictures));
@@ -139,8 +171,10 @@ std::vector<RoomDoubt> doubt_rooms(const Material& material) {
                 "'{}' at ({}, {}) of {}", camera, found.ghost->x, found.ghost->y, file));
         }
         if (found.shows_nobody) empty.push_back(fmt::format("'{}' ({})", camera, file));
-        if (found.light)
+        if (found.light) {
             lights.push_back(fmt::format("that of '{}' {} ({})", camera, *found.light, file));
+            bad.push_back({camera, std::move(found)});
+        }
     }
     std::vector<RoomDoubt> doubts;
     const auto is_most = [&](const std::vector<std::string>& places) {
@@ -157,11 +191,14 @@ std::vector<RoomDoubt> doubt_rooms(const Material& material) {
              is_most(ghosts)});
     }
     if (!lights.empty()) {
+        const std::string exchange = exchanged(bad);
         doubts.push_back(
-            {fmt::format("background: people cannot be told reliably from the empty room: {}. Film "
-                         "it again "
-                         "with the cameras, the light and the exposure of the recording, or {}",
+            {fmt::format("background: people cannot be told reliably from the empty room: {}{}. {} "
+                         "it again with the cameras, the light and the exposure of the recording, "
+                         "or {}",
                          fmt::join(lights, ", "),
+                         exchange,
+                         exchange.empty() ? "Film" : "Else film",
                          kLearnFromPeople),
              is_most(lights)});
     }

@@ -153,6 +153,13 @@ void check_silhouettes(const config::Rig& rig,
                                      report.num_sights));
     for (std::size_t c = 0; c < report.cameras.size(); ++c) {
         const coherence::CameraCoherence& camera = report.cameras[c];
+        if (camera.num_tangencies == 0) {
+            check.told.push_back(
+                fmt::format("camera '{}': no tangents: its silhouettes and those of the others are "
+                            "never of one person",
+                            rig.cameras[c].name));
+            continue;
+        }
         check.told.push_back(
             fmt::format("camera '{}': {:.2f} px; {:.0f} % of {} tangents within "
                         "{:.0f} px",

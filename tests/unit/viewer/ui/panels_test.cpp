@@ -44,6 +44,9 @@ TEST(Hud, SaysWhomToWaitFor) {
     EXPECT_EQ(nobody_text(content), "1 site, no people yet; sites lab, studio are preparing");
     content.preparing.clear();
     EXPECT_EQ(nobody_text(content), "1 site, no people yet");
+    content.num_rejected = 3;
+    EXPECT_EQ(nobody_text(content),
+              "1 site, whose people are refused: the log says why (person_rejected)");
 }
 
 TEST(Keys, BindEveryActionOnceAndNoKeyTwice) {
