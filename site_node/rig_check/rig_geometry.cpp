@@ -15,6 +15,7 @@ namespace {
 // Camera distances [m] that no room has, and those of large halls.
 constexpr double kImpossible_m = 100.0;
 constexpr double kFarFromOrigin_m = 12.0;
+constexpr double kMostTangential = 0.1;
 constexpr double kUnusual_m = 40.0;
 constexpr double kTooNear_m = 0.02;
 constexpr double kNear_m = 1.0;  // a person is half a metre wide
@@ -191,6 +192,17 @@ void check_intrinsics(const geometry::CalibratedCamera& camera, std::vector<Find
                          k.width,
                          view)});
         return;
+    }
+    const double tangential = std::max(std::abs(k.distortion[2]), std::abs(k.distortion[3]));
+    if (tangential > kMostTangential) {
+        findings.push_back(
+            {false,
+             fmt::format("camera '{}': its distortion has p1 = {:g} and p2 = {:g}, which no lens "
+                         "has: is the order of the numbers k1, k2, p1, p2, k3, k4, k5, k6? Kinects "
+                         "give k1 to k6 first",
+                         camera.name,
+                         k.distortion[2],
+                         k.distortion[3])});
     }
     const double off =
         std::max(std::abs((k.cx + 0.5) / k.width - 0.5), std::abs((k.cy + 0.5) / k.height - 0.5));

@@ -216,9 +216,9 @@ std::string Concluder::measured_text() const {
 
 // Left-handed poses make an image in a mirror, below the floor, of cameras that hang above it and
 // look down at a place.
-bool Concluder::looks_left_handed(double aim_m) const {
-    if (said_.left_handed || !said_.up.empty() || -aim_m <= kLowestAim_m || -aim_m >= kHighestAim_m)
-        return false;
+// So do right-handed ones that are said to be left-handed.
+bool Concluder::looks_mirrored(double aim_m) const {
+    if (!said_.up.empty() || -aim_m <= kLowestAim_m || -aim_m >= kHighestAim_m) return false;
     double looks_up = 0.0;  // sine, mean
     for (const auto& camera : cameras_) {
         if (camera.centre_site().z() >= 0.0) return false;
@@ -248,7 +248,14 @@ void Concluder::report_floor(double aim_m, bool is_of_file) {
                             lowest,
                             said_.heights.front().camera));
         }
-    } else if (is_of_file && looks_left_handed(aim_m)) {
+    } else if (is_of_file && said_.left_handed && looks_mirrored(aim_m)) {
+        problem(fmt::format(
+            "floor: z = 0 of the {}; read as left-handed, all cameras hang below it and "
+            "look up at a place {}: the poses look right-handed: leave --left-handed "
+            "out",
+            is_turned_axis_ ? "new frame" : "file",
+            aim));
+    } else if (is_of_file && looks_mirrored(aim_m)) {
         problem(
             fmt::format("floor: z = 0 of the {}; all cameras hang below it and look up at a place "
                         "{}: the poses look left-handed, as Unity writes them: say --left-handed. "

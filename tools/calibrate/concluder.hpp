@@ -38,7 +38,7 @@ public:
 private:
     void read_poses();
     void place_cameras(const Reading& reading);
-    bool looks_left_handed(double aim_m) const;
+    bool looks_mirrored(double aim_m) const;
     void unify_units(const Reading& wanted, bool is_said);
     void report_elsewhere(std::size_t camera,
                           const std::vector<bool>& looks,

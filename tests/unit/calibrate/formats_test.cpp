@@ -326,6 +326,28 @@ TEST(Lenses, OfRationalModelsAreFittedOrRefused) {
     EXPECT_GT(fit_lens(camera, equidistant_lens(fisheye)).error_px, 2.0);
 }
 
+// The colour cameras of an Azure Kinect, as its makers calibrate them: 2.5 px of 1280 are fitted.
+TEST(Lenses, OfKinectsAreReadWithANote) {
+    const test::Folder folder;
+    const auto camera = [](const char* name, const char* t) {
+        return fmt::format(
+            R"("{}": {{"K": [613.02, 0, 648.1, 0, 612.93, 373.5, 0, 0, 1], "size": [1280, 720],
+               "dist": [0.403863, -2.602884, 0.000894, -4.17e-05,
+                        1.511878, 0.284275, -2.420721, 1.435424],
+               "R": [1, 0, 0, 0, 1, 0, 0, 0, 1], "t": [{}]}})",
+            name,
+            t);
+    };
+    const auto rig = read_foreign(
+        {folder.write("k.json", "{" + camera("a", "0, 0, 3") + "," + camera("b", "1, 0, 3") + "}")},
+        "auto");
+    ASSERT_TRUE(rig) << rig.error().message;
+    EXPECT_THAT(rig->notes,
+                testing::Contains(
+                    AllOf(HasSubstr("(rational, thin prism) was fitted, with an error of up to 2."),
+                          HasSubstr("people near its border lose a rim"))));
+}
+
 TEST(Formats, SayWhatTheyCannotRead) {
     const test::Folder folder;
     atrium::test::Random random(1);

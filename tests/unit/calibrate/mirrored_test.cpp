@@ -176,6 +176,13 @@ TEST_P(OtherConventions, RightHandedRoomsAreNotCalledLeftHanded) {
         const auto result = read(tree);
         ASSERT_TRUE(result) << result.error().message;
         EXPECT_THAT(result->problems, IsEmpty()) << up;
+        Said said;
+        said.left_handed = true;
+        const auto wrong = read(tree, said);
+        ASSERT_TRUE(wrong) << wrong.error().message;
+        EXPECT_THAT(wrong->problems,
+                    Contains(HasSubstr("the poses look right-handed: leave --left-handed out")))
+            << up;
     }
 }
 

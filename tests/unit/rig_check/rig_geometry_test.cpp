@@ -166,5 +166,15 @@ TEST(RigGeometry, NamesARigFarFromItsOrigin) {
                       HasSubstr("calibrate floor")));
 }
 
+TEST(RigGeometry, NamesDistortionInAnotherOrder) {
+    auto rig = test::make_ring_rig({.radius_m = 3.0});
+    for (auto& camera : rig) camera.intrinsics.distortion = {0.4, -2.6, 1.51, 0.28, -2.4};
+    EXPECT_THAT(text_of(check_rig(rig)),
+                AllOf(HasSubstr("its distortion has p1 = 1.51 and p2 = 0.28, which no lens has"),
+                      HasSubstr("k1, k2, p1, p2, k3, k4, k5, k6")));
+    for (auto& camera : rig) camera.intrinsics.distortion = {-0.4, 0.2, 0.01, -0.02, 0.0};
+    EXPECT_EQ(text_of(check_rig(rig)), "");
+}
+
 }  // namespace
 }  // namespace atrium::rig_check

@@ -13,6 +13,7 @@ namespace {
 
 // A silhouette is uncertain by about a pixel anyway; a fit should not add to it.
 constexpr double kMaxFitError_px = 1.0;
+constexpr double kMaxFitErrorOfWidth = 0.002;  // 1.3 px of 640: what silhouettes are good for
 constexpr double kFitWorthANote_px = 0.05;
 
 bool is_in(double value, double low, double high) { return value >= low && value <= high; }
@@ -56,7 +57,8 @@ Expected<void> accept_fit(ForeignCamera& camera,
                           const std::string& model,
                           const std::string& where,
                           std::vector<std::string>& notes) {
-    if (!(error_px <= kMaxFitError_px)) {
+    const double most_px = std::max(kMaxFitError_px, kMaxFitErrorOfWidth * camera.lens.width);
+    if (!(error_px <= most_px)) {
         return make_error(
             ErrorKind::kConfiguration,
             fmt::format("{}: camera '{}': its lens model ({}) differs by up to {:.3g} px from the "
@@ -71,10 +73,14 @@ Expected<void> accept_fit(ForeignCamera& camera,
     if (error_px > kFitWorthANote_px) {
         notes.push_back(
             fmt::format("camera '{}': its lens model ({}) was fitted, with an error of "
-                        "up to {:.2f} px in the picture",
+                        "up to {:.2f} px in the picture{}",
                         camera.name,
                         model,
-                        error_px));
+                        error_px,
+                        error_px > kMaxFitError_px
+                            ? ": people near its border lose a rim of that width; undistort the "
+                              "pictures if that is too much"
+                            : ""));
     }
     return {};
 }
