@@ -77,9 +77,10 @@ void Concluder::read_poses() {
     if (num_looking == cameras_.size() && convergence.off_axis > kAxesMiss_rad) {
         check(
             fmt::format("poses: the optical axes pass {:.0f} degrees beside the place where they "
-                        "come nearest to each other (mean). If all cameras look at one place, an "
-                        "angle of theirs may have the wrong sign, such as the pitch",
-                        convergence.off_axis * kDegreesPerRad));
+                        "come nearest to each other (mean). If all cameras look at one place, {}",
+                        convergence.off_axis * kDegreesPerRad,
+                        is_said ? "leave --direction and --axes out"
+                                : "an angle of theirs may have the wrong sign, such as the pitch"));
     }
     if (!is_said && !choice.also_possible.empty()) {
         check(
