@@ -51,9 +51,10 @@ bool distort_much(std::span<const views::NamedView> views);
 
 /// Finds why silhouettes of one instant do not fit together: tries what people get wrong (inverted
 /// extrinsics, OpenGL's axes, exchanged cameras, scaled intrinsics, pictures without distortion,
-/// pictures of all cameras or of one that were turned or mirrored, one or two cameras that moved), and
-/// names what explains the silhouettes so much better that chance is out of the question. nullopt
-/// if the silhouettes fit. Silhouettes of one instant may mislead: trust what several instants say.
+/// pictures of all cameras or of one that were turned or mirrored, one or two cameras that moved),
+/// and names what explains the silhouettes so much better that chance is out of the question.
+/// nullopt if the silhouettes fit. Silhouettes of one instant may mislead: trust what several
+/// instants say.
 ///
 /// A person is nearly symmetric, so in the middle of a picture a mirrored one is not found. In a
 /// ring with a plane of symmetry, pictures of all cameras that are mirrored look the same as
