@@ -211,9 +211,9 @@ private:
         report_.command = options_.command;
         report_.source = options_.source;
         report_.date = fmt::format("{:%Y-%m-%d %H:%M:%S}", fmt::gmtime(std::time(nullptr)));
-        report_.grade = !report_.problems.empty()           ? Grade::kWrong
-                        : solution_.held_out_px <= kGood_px ? Grade::kGood
-                                                            : Grade::kUsable;
+        report_.grade = !report_.problems.empty()                       ? Grade::kWrong
+                        : report_.told.front().starts_with(kGoodErrors) ? Grade::kGood
+                                                                        : Grade::kUsable;
         std::vector<std::size_t> place(bundle.cameras.size(), 0);
         for (std::size_t c = 0; c < bundle.cameras.size(); ++c) {
             const auto found = std::ranges::find(

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kUsableBoard_px = 1.5;      // cameras without a trigger see the board's motion
 constexpr double kManyBoardOutliers = 0.25;  // of one camera
-constexpr double kManyOutliersOfAll = 0.05;  // of all: no single one is to blame
+constexpr double kSomeOutliersOfAll = 0.02,
+                 kManyOutliersOfAll = 0.05;  // of all: no single one is to blame
 constexpr double kSmallBoardCoverage = 0.3;
 constexpr double kLateBoard = 0.25;  // instants
 constexpr std::size_t kFewViews = 15, kTooFewViews = 5;
@@ -44,9 +45,10 @@ public:
             verdict_.told.begin(),
             fmt::format("{}: {:.2f} px RMS of boards that the solution did not use, {:.2f} px of "
                         "the others; {} cameras, {} instants in which two or more saw a board",
-                        !verdict_.problems.empty()     ? "wrong"
-                        : rig_.held_out_px <= kGood_px ? "good"
-                                                       : "usable",
+                        !verdict_.problems.empty() ? "wrong"
+                        : rig_.held_out_px <= kGood_px && share_of_outliers() <= kSomeOutliersOfAll
+                            ? "good"
+                            : "usable",
                         rig_.held_out_px,
                         rig_.rms_px,
                         rig_.cameras.size(),
@@ -57,22 +59,28 @@ public:
 private:
     const std::string& name(std::size_t c) const { return rig_.bundle.cameras[c].name; }
 
-    // Outliers do not count as errors, but what made them bends the cameras as well.
-    void judge_outliers() {
+    // Of the corners of all cameras.
+    double share_of_outliers() const {
         std::size_t num_outliers = 0, num_all = 0;
         for (const CameraFigures& figures : rig_.cameras) {
             num_outliers += figures.num_outliers;
             num_all += figures.num_outliers + figures.num_used;
         }
-        const double share = static_cast<double>(num_outliers) /
-                             static_cast<double>(std::max<std::size_t>(num_all, 1));
-        if (share <= kManyOutliersOfAll || !verdict_.problems.empty()) return;
-        verdict_.problems.push_back(fmt::format(
-            "{:.0f} % of all corners contradict the others: the board moved between the pictures "
-            "of "
-            "an instant, because the cameras have no common trigger, or this computer is too slow "
-            "for them: hold the board still at each place, or take fewer pictures per second",
-            100.0 * share));
+        return static_cast<double>(num_outliers) /
+               static_cast<double>(std::max<std::size_t>(num_all, 1));
+    }
+
+    // Outliers do not count as errors, but what made them bends the cameras as well.
+    void judge_outliers() {
+        const double share = share_of_outliers();
+        if (share <= kSomeOutliersOfAll || !verdict_.problems.empty()) return;
+        (share > kManyOutliersOfAll ? verdict_.problems : verdict_.checks)
+            .push_back(fmt::format(
+                "{:.0f} % of all corners contradict the others, so the cameras may be centimetres "
+                "off: the board moved between the pictures of an instant, because the cameras have "
+                "no common trigger, or this computer is too slow for them: hold the board still at "
+                "each place, or take fewer pictures per second",
+                100.0 * share));
     }
 
     void judge(const Ambiguity& ambiguity) {
