@@ -134,9 +134,8 @@ Expected<EditOutcome> Scene::bring_back(const bus::SceneEdit& edit) {
         return refuse_edit(fmt::format("object {} is in the world already", edit.target));
     if (found == removed_.end())
         return refuse_edit(
-            "the world server no longer knows the removed object: the world was loaded again, or "
-            "many "
-            "others were removed since");
+            "the world server no longer knows the removed object: the world was loaded again, "
+            "or many others were removed since");
     const Removed& removed = found->second;
     switch (world_->add(removed.rigid)) {
         case physics::AddResult::kAdded:
