@@ -194,16 +194,13 @@ void doubt_chains(const WorldDescription& world, double tick_hz, std::vector<std
 
 double middle_m(const WorldObject& object) { return start_box_of(to_rigid(object)).centre().z(); }
 
-// Something heavy joined to something light below it: a lid of lead on a box.
+// Something heavy joined to something light below it: a lid of lead on a box. Passes over what
+// `lines` name already.
 void doubt_pairs(const WorldDescription& world, double tick_hz, std::vector<std::string>& lines) {
-    const auto find = [&](std::uint32_t id) {
-        return std::ranges::find(
-            world.objects, id, [](const WorldObject& object) { return object.rigid.id; });
-    };
     for (const physics::Joint& joint : world.joints) {
-        auto light = find(joint.a), heavy = find(joint.b);
-        if (light == world.objects.end() || heavy == world.objects.end() ||
-            joint.kind == physics::JointKind::kSpring)
+        const WorldObject* light = object_of(world, joint.a);
+        const WorldObject* heavy = object_of(world, joint.b);
+        if (light == nullptr || heavy == nullptr || joint.kind == physics::JointKind::kSpring)
             continue;
         if (light->rigid.mass_kg > heavy->rigid.mass_kg) std::swap(light, heavy);
         const std::string named = fmt::format("name={} ", light->name);
@@ -212,7 +209,7 @@ void doubt_pairs(const WorldDescription& world, double tick_hz, std::vector<std:
         if (light->rigid.mass_kg == 0.0 || is_named || middle_m(*heavy) < middle_m(*light))
             continue;
         doubt(*light,
-              {heavy->rigid.mass_kg, &*heavy},
+              {heavy->rigid.mass_kg, heavy},
               tick_hz,
               kLargestStackLoad,
               "their joint tears",
@@ -230,9 +227,11 @@ std::map<std::uint32_t, double> carried_kg(const WorldDescription& world) {
 }
 
 void doubt_loads(const WorldDescription& world, double tick_hz, std::vector<std::string>& lines) {
-    doubt_stacks(world, tick_hz, lines);
-    doubt_chains(world, tick_hz, lines);
-    doubt_pairs(world, tick_hz, lines);
+    std::vector<std::string> loads;
+    doubt_stacks(world, tick_hz, loads);
+    doubt_chains(world, tick_hz, loads);
+    doubt_pairs(world, tick_hz, loads);
+    lines.insert(lines.end(), loads.begin(), loads.end());
 }
 
 }  // namespace atrium::world_server

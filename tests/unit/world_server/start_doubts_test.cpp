@@ -151,6 +151,10 @@ TEST_F(WorldDoubts, NameAHeavyLidOnALightBox) {
                 ElementsAre(HasSubstr("object_looks_wrong name=chest reason=\"its 0.5 kg carry 80 "
                                       "kg, 160 times as much; the heaviest is lid with 80 kg: "
                                       "their joint tears above 100 times")));
+    const auto both = doubts(box("stone", 1, "position_m = [0, 0, 0.2]") + chest(0.5, 80));
+    EXPECT_THAT(both,
+                testing::Contains(HasSubstr("name=chest reason=\"starts 0.40 m inside stone")));
+    EXPECT_THAT(both, testing::Contains(HasSubstr("their joint tears")));
 }
 
 TEST_F(WorldDoubts, NameALinkThatCarriesSomethingHeavy) {
