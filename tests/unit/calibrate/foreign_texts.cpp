@@ -65,6 +65,14 @@ std::string yaml_matrix(const std::string& indent,
 
 }  // namespace
 
+Matrix3d level_rotation(const Vector3d& eye, const Vector3d& target) {
+    const Vector3d forwards = (target - eye).normalized();
+    const Vector3d right = forwards.cross(Vector3d::UnitZ()).normalized();
+    Matrix3d r;
+    r << right.transpose(), forwards.cross(right).transpose(), forwards.transpose();
+    return r;
+}
+
 Cameras random_room(atrium::test::Random& random, int num_cameras) {
     using atrium::test::between;
     Cameras cameras;
@@ -76,11 +84,8 @@ Cameras random_room(atrium::test::Random& random, int num_cameras) {
         const Vector3d eye(
             radius_m * std::cos(angle), radius_m * std::sin(angle), between(random, 0.5, 3.0));
         const Vector3d target = Vector3d(0, 0, 1) + atrium::test::random_in_cube(random, 0.25);
-        const Vector3d forwards = (target - eye).normalized();
-        const Vector3d right = forwards.cross(Vector3d::UnitZ()).normalized();
-        Matrix3d r;
-        r << right.transpose(), forwards.cross(right).transpose(), forwards.transpose();
-        r = Eigen::AngleAxisd(between(random, -0.05, 0.05), Vector3d::UnitZ()) * r;
+        const Matrix3d r = Eigen::AngleAxisd(between(random, -0.05, 0.05), Vector3d::UnitZ()) *
+                           level_rotation(eye, target);
         geometry::CalibratedCamera camera;
         camera.name = fmt::format("cam{}", i + 1);
         geometry::PinholeCamera& k = camera.intrinsics;

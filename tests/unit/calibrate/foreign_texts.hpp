@@ -15,6 +15,9 @@ namespace atrium::calibrate::test {
 
 using Cameras = std::vector<geometry::CalibratedCamera>;
 
+/// The rotation into a level camera at `eye` that looks at `target`, both in the site frame.
+Eigen::Matrix3d level_rotation(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
+
 /// Cameras around a room, in metres, +Z up, floor at 0; all look at about (0, 0, 1), nearly level.
 Cameras random_room(atrium::test::Random& random, int num_cameras);
 

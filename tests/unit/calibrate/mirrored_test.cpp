@@ -46,10 +46,7 @@ test::Cameras ring_above(atrium::test::Random& random, int num_cameras) {
             3.0 * std::cos(angle), 3.0 * std::sin(angle), atrium::test::between(random, 1.3, 2.6));
         const Eigen::Vector3d target =
             Eigen::Vector3d(0, 0, 0.9) + atrium::test::random_in_cube(random, 0.1);
-        const Eigen::Vector3d ahead = (target - eye).normalized();
-        const Eigen::Vector3d right = ahead.cross(Eigen::Vector3d::UnitZ()).normalized();
-        Eigen::Matrix3d r;
-        r << right.transpose(), ahead.cross(right).transpose(), ahead.transpose();
+        const Eigen::Matrix3d r = test::level_rotation(eye, target);
         camera.camera_from_site = {Eigen::Quaterniond(r), -(r * eye)};
         camera.intrinsics.skew = atrium::test::between(random, -1.0, 1.0);
     }

@@ -39,10 +39,7 @@ test::Cameras ring_around(atrium::test::Random& random,
                                   atrium::test::between(random, 0.8, 2.6));
         const Eigen::Vector3d target =
             Eigen::Vector3d(0, 0, 1.0) + atrium::test::random_in_cube(random, 0.2);
-        const Eigen::Vector3d ahead = (target - eye).normalized();
-        const Eigen::Vector3d right = ahead.cross(Eigen::Vector3d::UnitZ()).normalized();
-        Eigen::Matrix3d r;
-        r << right.transpose(), ahead.cross(right).transpose(), ahead.transpose();
+        const Eigen::Matrix3d r = test::level_rotation(eye, target);
         cameras[static_cast<std::size_t>(i)].camera_from_site = {Eigen::Quaterniond(r),
                                                                  -(r * (eye + origin))};
     }
