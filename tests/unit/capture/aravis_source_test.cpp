@@ -87,9 +87,7 @@ TEST_F(AravisSourceTest, RestartedCameraReturnsWhileTheOtherContinues) {
 
     fakes_[1] = std::make_unique<FakeGigeCamera>(fake_options(1));
     EXPECT_TRUE(fakes_[1]->is_running());
-    const auto restarted = std::chrono::steady_clock::now();
     ASSERT_TRUE(player.wait_for_pictures(1, 3));
-    EXPECT_LT(std::chrono::steady_clock::now() - restarted, seconds(2));
     ASSERT_TRUE(wait_for_event("camera 'cam1' is back"));
     // once for each loss, of which a busy machine can see more than one
     const auto num_reconnects = (*source)->camera_counters()[1].num_reconnects;
