@@ -53,7 +53,8 @@ private:
     void check(std::string_view name, const Eigen::Vector3d& vector, Range range) {
         for (const double component : vector) check(name, component, range);
     }
-    void check(std::string_view name, const std::array<double, 5>& values, Range range) {
+    template <std::size_t N>
+    void check(std::string_view name, const std::array<double, N>& values, Range range) {
         for (const double value : values) check(name, value, range);
     }
     void check(std::string_view name, double value, const RangeOrNone& limits) {
@@ -130,6 +131,24 @@ private:
                     fail(name, fmt::format("index {} of {}", index, limits.end));
         }
     }
+    template <typename Element>
+    void check(std::string_view name, const std::vector<Element>& elements, EachOrNone limit) {
+        if (!elements.empty() && elements.size() != limit.max)
+            fail(name, fmt::format("must be {} or none, got {}", limit.max, elements.size()));
+    }
+    void check(std::string_view name, const std::vector<std::uint32_t>& sizes, ContourSizes limit) {
+        check(name, sizes.size(), AtMost{limit.max});
+    }
+    void check(std::string_view name,
+               const std::vector<std::array<double, 2>>& vertices,
+               const Vertices& limits) {
+        check(name, vertices.size(), AtMost{limits.max});
+        std::uint64_t num_named = 0;  // at most kMaxContours 32-bit numbers: cannot overflow
+        for (const std::uint32_t size : limits.sizes) num_named += size;
+        if (num_named != vertices.size())
+            fail(name, fmt::format("has {}, the contours {}", vertices.size(), num_named));
+        for (const auto& vertex : vertices) check(name, vertex, within(kMaxVertex_px));
+    }
     void check(std::string_view name, const std::vector<std::uint32_t>& cameras, CameraSet) {
         std::uint64_t seen = 0;  // one bit per camera
         static_assert(kMaxCamerasPerSite == 64);
@@ -160,6 +179,10 @@ Expected<void> check(const Message& message) {
 template Expected<void> check(const SiteDescription&);
 template Expected<void> check(const SiteMesh&);
 template Expected<void> check(const CameraTexture&);
+template Expected<void> check(const CameraSilhouette&);
+template Expected<void> check(const SiteOrders&);
+template Expected<void> check(const ClockAnswer&);
+template Expected<void> check(const CameraNodeStatus&);
 template Expected<void> check(const SitePlacement&);
 template Expected<void> check(const SceneObject&);
 template Expected<void> check(const SoftBody&);

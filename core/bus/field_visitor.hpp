@@ -5,8 +5,10 @@
 
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 /// Defines the limits of fields, and the base of the visitors of the lists in fields.hpp. Private
 /// to core/bus and its tests.
@@ -43,6 +45,19 @@ struct AtMost {
 struct Indices {
     std::size_t max = 0;
     std::size_t end = 0;
+};
+/// One element for each of `max` others, or none.
+struct EachOrNone {
+    std::size_t max = 0;
+};
+/// Numbers of vertices of contours.
+struct ContourSizes {
+    std::size_t max = 0;
+};
+/// Points of contours, as many as these sizes say.
+struct Vertices {
+    std::size_t max = 0;
+    const std::vector<std::uint32_t>& sizes;
 };
 /// Indices of different cameras.
 struct CameraSet {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/bus/field_visitor.hpp"
+#include "core/bus/host_fields.hpp"
 #include "core/bus/status_fields.hpp"
 
 /// Lists the fields of each message, in the order of idl/; status_fields.hpp has those of statuses.
@@ -32,6 +33,11 @@ void fields(auto& v, Of<geometry::CalibratedCamera> auto& m, auto& w) {
     v("SiteDescription.cameras.cx cy skew", m.intrinsics.skew, w.skew, intrinsic);
     v("SiteDescription.cameras.distortion", m.intrinsics.distortion, w.distortion, intrinsic);
     v("SiteDescription.cameras.camera_from_site", m.camera_from_site, w.camera_from_site);
+}
+
+void fields(auto& v, Of<FrameKey> auto& m, auto& w) {
+    v(m.frame_id, w.frame_id);
+    v("SiteMesh.texture_frames.capture_time", m.capture_time, w.capture_time_ns);
 }
 
 void fields(auto& v, Of<ObjectState> auto& m, auto& w) {
@@ -82,6 +88,8 @@ void fields(auto& v, Of<SiteMesh> auto& m, auto& w) {
     v("SiteMesh.capture_time", m.capture_time, w.capture_time_ns);
     v("SiteMesh.textured_cameras", m.textured_cameras, w.textured_cameras, CameraSet{});
     v("SiteMesh.draco", m.draco, w.draco, AtMost{kMaxCodedBytes});
+    const EachOrNone frames{m.textured_cameras.size()};
+    v("SiteMesh.texture_frames", m.texture_frames, w.texture_frames, frames);
 }
 
 void fields(auto& v, Of<CameraTexture> auto& m, auto& w) {
@@ -249,7 +257,7 @@ void fields(auto& v, Of<StreamFeedback> auto& m, auto& w) {
 // presence.idl
 
 void fields(auto& v, Of<Presence> auto& m, auto& w) {
-    v.key("Presence.kind", m.kind, w.kind, Last{ProgramKind::kOther});
+    v.key("Presence.kind", m.kind, w.kind, Last{ProgramKind::kCameraNode});
     v.key("Presence.name", m.name, w.member, Text::kName);
     v.key("Presence.instance", m.instance, w.instance);
     v("Presence.is_holder", m.is_holder, w.is_holder);

@@ -11,8 +11,11 @@ namespace atrium::bus {
 inline constexpr std::uint32_t kMaxDomain = 230;
 inline constexpr std::size_t kMaxNameLength = 63;
 inline constexpr std::size_t kMaxCamerasPerSite = 64;
-inline constexpr std::size_t kMaxCodedBytes = 8U << 20U;  // 30 times the largest expected sample
-inline constexpr std::size_t kMaxObjects = 2048;          // a SceneState then has 0.23 MB
+inline constexpr std::size_t kMaxCodedBytes = 8U << 20U;   // 30 times the largest expected sample
+inline constexpr std::size_t kMaxContours = 2000;          // of a CameraSilhouette, as in hulls
+inline constexpr std::size_t kMaxContourVertices = 65536;  // a CameraSilhouette then has 1 MB
+inline constexpr double kMaxVertex_px = 1e9;      // undistorted: may lie far outside of the picture
+inline constexpr std::size_t kMaxObjects = 2048;  // a SceneState then has 0.23 MB
 inline constexpr std::size_t kMaxModelFileLength = 127;
 inline constexpr std::size_t kMaxSavedWorlds = 256;
 inline constexpr std::size_t kMaxTextLength = 255;  // EditResult::text

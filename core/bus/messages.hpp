@@ -2,6 +2,7 @@
 
 #include "core/base/fingerprint.hpp"
 #include "core/base/timestamp.hpp"
+#include "core/bus/host_messages.hpp"
 #include "core/bus/status_messages.hpp"
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/pinhole_camera.hpp"
@@ -29,14 +30,25 @@ struct SiteDescription {
     geometry::Aabb bounds_site;                       // [m] people are seen within it
 };
 
+/// Names a picture of one camera.
+struct FrameKey {
+    std::uint64_t frame_id = 0;
+    Timestamp capture_time;
+
+    bool operator==(const FrameKey&) const = default;
+};
+
 /// The people of a site. Every metaframe, latest only.
 struct SiteMesh {
     std::string site;
     std::uint64_t frame_id = 0;  // increases by one per metaframe of the site, also dropped ones
     Timestamp capture_time;
-    /// A viewer's pair is complete with the CameraTextures of these cameras and this frame_id.
+    /// A viewer's pair is complete with the CameraTextures of these cameras and `texture_frames`.
     std::vector<std::uint32_t> textured_cameras;
     std::vector<std::uint8_t> draco;  // empty: nobody is in the site
+    /// Of `textured_cameras`, in that order: camera nodes number their own pictures. Empty: all
+    /// have the frame_id and capture_time of this mesh.
+    std::vector<FrameKey> texture_frames{};
 };
 
 /// The crop of one camera's picture. Every metaframe and each camera that sees somebody, latest
@@ -281,12 +293,12 @@ struct SavedWorlds {
     std::vector<SavedWorld> worlds;
 };
 
-enum class ProgramKind : std::uint8_t { kSiteNode, kWorldServer, kViewer, kOther };
+enum class ProgramKind : std::uint8_t { kSiteNode, kWorldServer, kViewer, kOther, kCameraNode };
 
 /// A process present in the world. Transient local, at its start and every ten seconds.
 struct Presence {
     ProgramKind kind = ProgramKind::kOther;
-    std::string name;            // of the site, world or viewer
+    std::string name;            // of the site, world or viewer; of a camera node SITE.HOST
     std::uint64_t instance = 0;  // random, unique per process
     bool is_holder = false;      // true: holds the name; false: still claims it
     std::uint64_t num_written = 0;

@@ -87,6 +87,16 @@ void fields(auto& v, Of<ProcessorUse> auto& m, auto& w) {
     v("processor.nice", m.nice, w.nice, Range{-20, 19});
 }
 
+void fields(auto& v, Of<HostStatus> auto& m, auto& w) {
+    const Range offset = within(kMaxStatistic);
+    v("SiteStatus.hosts.name", m.name, w.name, Text::kName);
+    v("SiteStatus.hosts.state", m.state, w.state, Last{HostState::kClockWrong});
+    v("SiteStatus.hosts.clock_offset_ms", m.clock_offset_ms, w.clock_offset_ms, offset);
+    v("SiteStatus.hosts.clock_error_ms", m.clock_error_ms, w.clock_error_ms, kStatistic);
+    v(m.num_cameras, w.num_cameras);
+    v(m.num_left_out, w.num_left_out);
+}
+
 // status.idl
 
 void fields(auto& v, Of<SiteStatus> auto& m, auto& w) {
@@ -113,6 +123,7 @@ void fields(auto& v, Of<SiteStatus> auto& m, auto& w) {
     v("first_output_s", m.first_output_s, w.first_output_s, kStatistic);
     v.part(m.coherence, w.coherence);
     v("SiteStatus.finding", m.finding, w.finding, Text::kLine);
+    v("SiteStatus.hosts", m.hosts, w.hosts, AtMost{kMaxCamerasPerSite});
 }
 
 void fields(auto& v, Of<WorldStatus> auto& m, auto& w) {

@@ -105,6 +105,22 @@ struct RigCoherence {
     bool operator==(const RigCoherence&) const = default;
 };
 
+enum class HostState : std::uint8_t { kMissing, kInUse, kClockUnknown, kClockWrong };
+
+/// One host of a site whose cameras hang on several.
+struct HostStatus {
+    std::string name;
+    HostState state = HostState::kMissing;
+    /// Its clock minus that of the model part's host. Without a meaning unless kInUse or
+    /// kClockWrong.
+    double clock_offset_ms = 0.0;
+    double clock_error_ms = 0.0;  // how far off that figure may be
+    std::uint32_t num_cameras = 0;
+    std::uint64_t num_left_out = 0;  // pictures that were not used because of the host's clock
+
+    bool operator==(const HostStatus&) const = default;
+};
+
 /// The state of a site node. 1 Hz. Counters start with the program.
 struct SiteStatus {
     std::string site;
@@ -130,6 +146,7 @@ struct SiteStatus {
     double first_output_s = 0.0;  // from process start to the first metaframe; 0: none yet
     RigCoherence coherence;
     std::string finding;  // printable: what silhouettes show to be wrong, with its cure; or empty
+    std::vector<HostStatus> hosts;  // with cameras of this site; empty: one process does all
 };
 
 /// The state of a world server. 1 Hz. Counters start with the program.

@@ -4,6 +4,7 @@
 
 #include <editing.h>
 #include <feedback.h>
+#include <hosts.h>
 #include <presence.h>
 #include <proxy.h>
 #include <site.h>
@@ -47,6 +48,24 @@ struct Topic<SiteMesh> : WireTopic<atrium_SiteMesh, atrium_SiteMesh_desc, kStrea
 template <>
 struct Topic<CameraTexture> : WireTopic<atrium_CameraTexture, atrium_CameraTexture_desc, kTexture> {
     static constexpr const char* kName = "CameraTexture";
+};
+template <>
+struct Topic<CameraSilhouette>
+    : WireTopic<atrium_CameraSilhouette, atrium_CameraSilhouette_desc, kTexture> {
+    static constexpr const char* kName = "CameraSilhouette";
+};
+template <>
+struct Topic<SiteOrders> : WireTopic<atrium_SiteOrders, atrium_SiteOrders_desc, kTexture> {
+    static constexpr const char* kName = "SiteOrders";
+};
+template <>
+struct Topic<ClockAnswer> : WireTopic<atrium_ClockAnswer, atrium_ClockAnswer_desc, kTexture> {
+    static constexpr const char* kName = "ClockAnswer";
+};
+template <>
+struct Topic<CameraNodeStatus>
+    : WireTopic<atrium_CameraNodeStatus, atrium_CameraNodeStatus_desc, kStatus> {
+    static constexpr const char* kName = "CameraNodeStatus";
 };
 template <>
 struct Topic<SitePlacement>

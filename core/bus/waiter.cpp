@@ -49,6 +49,10 @@ void Waiter::wake() { dds_set_guardcondition(impl_->woken.get(), true); }
 template void Waiter::add(const Reader<SiteDescription>&);
 template void Waiter::add(const Reader<SiteMesh>&);
 template void Waiter::add(const Reader<CameraTexture>&);
+template void Waiter::add(const Reader<CameraSilhouette>&);
+template void Waiter::add(const Reader<SiteOrders>&);
+template void Waiter::add(const Reader<ClockAnswer>&);
+template void Waiter::add(const Reader<CameraNodeStatus>&);
 template void Waiter::add(const Reader<SitePlacement>&);
 template void Waiter::add(const Reader<SceneObject>&);
 template void Waiter::add(const Reader<SoftBody>&);

@@ -54,7 +54,31 @@ std::string broken_promise(const bus::SiteMesh& message) {
     if (distinct.size() != cameras.size()) return "a camera twice";
     if (!distinct.empty() && *distinct.rbegin() >= bus::kMaxCamerasPerSite)
         return "a camera's index";
+    const std::size_t num_frames = message.texture_frames.size();
+    if (num_frames != 0 && num_frames != cameras.size()) return "a texture's frame";
     return unless(message.draco.size() <= bus::kMaxCodedBytes, "too many bytes");
+}
+
+std::string broken_promise(const bus::CameraSilhouette& message) {
+    if (message.camera >= bus::kMaxCamerasPerSite) return "a camera's index";
+    if (message.contour_sizes.size() > bus::kMaxContours) return "too many contours";
+    std::uint64_t num_vertices = 0;
+    for (const std::uint32_t size : message.contour_sizes) num_vertices += size;
+    if (num_vertices != message.vertices_px.size()) return "a contour's size";
+    return unless(num_vertices <= bus::kMaxContourVertices, "too many vertices");
+}
+
+std::string broken_promise(const bus::SiteOrders& message) {
+    if (message.jpeg_quality < 1 || message.jpeg_quality > 100) return "a quality";
+    return unless(message.colour_divisor == 1 || message.colour_divisor == 2, "a divisor");
+}
+
+std::string broken_promise(const bus::ClockAnswer& /*message*/) { return ""; }
+
+std::string broken_promise(const bus::CameraNodeStatus& message) {
+    if (message.cameras.size() > message.camera_indices.size()) return "too many cameras";
+    if (message.silhouette_bytes_per_s < 0.0 || message.texture_bytes_per_s < 0.0) return "a rate";
+    return broken_by_process(message.processor, message.first_output_s);
 }
 
 std::string broken_promise(const bus::CameraTexture& message) {
@@ -173,6 +197,10 @@ std::string broken_promise(const bus::SiteStatus& message) {
                                stages.publishing_ms}) {
         if (value < 0.0) return "a rate or a time";
     }
+    for (const bus::HostStatus& host : message.hosts) {
+        if (host.state > bus::HostState::kClockWrong) return "a host's state";
+        if (host.clock_error_ms < 0.0) return "a clock's error";
+    }
     const std::string coherence = broken_by_coherence(message.coherence);
     if (!coherence.empty()) return coherence;
     return broken_by_process(message.processor, message.first_output_s);
@@ -195,7 +223,7 @@ std::string broken_promise(const bus::StreamFeedback& message) {
 }
 
 std::string broken_promise(const bus::Presence& message) {
-    return unless(message.kind <= bus::ProgramKind::kOther, "a kind of program");
+    return unless(message.kind <= bus::ProgramKind::kCameraNode, "a kind of program");
 }
 
 }  // namespace atrium::test

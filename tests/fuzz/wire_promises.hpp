@@ -11,6 +11,10 @@ namespace atrium::test {
 std::string broken_promise(const bus::SiteDescription& message);
 std::string broken_promise(const bus::SiteMesh& message);
 std::string broken_promise(const bus::CameraTexture& message);
+std::string broken_promise(const bus::CameraSilhouette& message);
+std::string broken_promise(const bus::SiteOrders& message);
+std::string broken_promise(const bus::ClockAnswer& message);
+std::string broken_promise(const bus::CameraNodeStatus& message);
 std::string broken_promise(const bus::SitePlacement& message);
 std::string broken_promise(const bus::SceneObject& message);
 std::string broken_promise(const bus::SoftBody& message);

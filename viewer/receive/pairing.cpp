@@ -10,13 +10,18 @@ std::optional<FramePair> Pairing::add(bus::SiteMesh mesh) {
     const std::string site = mesh.site;
     PendingFrame* frame = find_or_add(site, key);
     if (frame == nullptr) return std::nullopt;
-    frame->mesh = std::move(mesh);
+    note_naming(sites_[site], mesh);
+    // which may have forgotten what waited
+    sites_[site].pending[key].mesh = std::move(mesh);
     return hand_out_if_complete(site, key);
 }
 
 std::optional<FramePair> Pairing::add(bus::CameraTexture texture) {
     const FrameKey key{texture.capture_time, texture.frame_id};
     const std::string site = texture.site;
+    if (const auto found = sites_.find(site); found != sites_.end() && found->second.names_textures)
+        return keep_waiting(found->second, std::move(texture)) ? hand_out_newest(site)
+                                                               : std::nullopt;
     PendingFrame* frame = find_or_add(site, key);
     if (frame == nullptr) return std::nullopt;
     frame->textures.insert_or_assign(texture.camera, std::move(texture));
@@ -27,6 +32,7 @@ void Pairing::forget(const std::string& site) {
     const auto found = sites_.find(site);
     if (found == sites_.end()) return;
     found->second.pending.clear();
+    for (auto& [camera, textures] : found->second.own_textures) textures.waiting.clear();
     found->second.is_gone = true;
 }
 
@@ -62,6 +68,68 @@ Pairing::PendingFrame* Pairing::find_or_add(const std::string& site, const Frame
     return &frame;
 }
 
+// A site may change between one process and several hosts when it starts again.
+void Pairing::note_naming(Site& site, const bus::SiteMesh& mesh) {
+    const bool names = !mesh.texture_frames.empty();
+    if (mesh.textured_cameras.empty() || names == site.names_textures) return;
+    site.names_textures = names;
+    if (!names) return site.own_textures.clear();
+    auto pending = std::exchange(site.pending, {});
+    for (auto& [key, frame] : pending) {
+        for (auto& [camera, texture] : frame.textures) keep_waiting(site, std::move(texture));
+    }
+}
+
+// Returns false if the texture comes too late.
+bool Pairing::keep_waiting(Site& site, bus::CameraTexture texture) {
+    OwnTextures& own = site.own_textures[texture.camera];
+    const FrameKey key{texture.capture_time, texture.frame_id};
+    if (own.last && key <= *own.last) {
+        if (own.last->capture_time - key.capture_time <= options_.max_disorder) {
+            ++num_late_;
+            return false;
+        }
+        own = {};
+    }
+    own.waiting.insert_or_assign(key, std::move(texture));
+    // those that no mesh names any more
+    while (own.waiting.size() > options_.max_pending_frames) own.waiting.erase(own.waiting.begin());
+    return true;
+}
+
+Pairing::FrameKey Pairing::texture_key(const bus::SiteMesh& mesh, std::size_t index) {
+    if (mesh.texture_frames.empty()) return {mesh.capture_time, mesh.frame_id};
+    const bus::FrameKey& named = mesh.texture_frames[index];
+    return {named.capture_time, named.frame_id};
+}
+
+// Moves the textures that the frame's mesh names to it, if all are there.
+bool Pairing::collect(Site& site, PendingFrame& frame) {
+    const auto& wanted = frame.mesh->textured_cameras;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        if (!site.own_textures[wanted[i]].waiting.contains(texture_key(*frame.mesh, i)))
+            return false;
+    }
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        OwnTextures& own = site.own_textures[wanted[i]];
+        const auto found = own.waiting.find(texture_key(*frame.mesh, i));
+        own.last = found->first;
+        frame.textures.insert_or_assign(wanted[i], std::move(found->second));
+        own.waiting.erase(own.waiting.begin(), std::next(found));
+    }
+    return true;
+}
+
+// After a texture with a key of its own: it may complete any of the meshes that wait.
+std::optional<FramePair> Pairing::hand_out_newest(const std::string& site) {
+    Site& entry = sites_[site];
+    for (auto frame = entry.pending.rbegin(); frame != entry.pending.rend(); ++frame) {
+        const FrameKey key = frame->first;
+        if (auto pair = hand_out_if_complete(site, key)) return pair;
+    }
+    return std::nullopt;
+}
+
 std::optional<FramePair> Pairing::hand_out_if_complete(const std::string& site,
                                                        const FrameKey& key) {
     Site& entry = sites_[site];
@@ -69,9 +137,10 @@ std::optional<FramePair> Pairing::hand_out_if_complete(const std::string& site,
     PendingFrame& frame = found->second;
     if (!frame.mesh) return std::nullopt;
     const auto& wanted = frame.mesh->textured_cameras;
-    if (!std::all_of(wanted.begin(), wanted.end(), [&](std::uint32_t camera) {
-            return frame.textures.contains(camera);
-        }))
+    if (entry.names_textures ? !collect(entry, frame)
+                             : !std::all_of(wanted.begin(), wanted.end(), [&](std::uint32_t c) {
+                                   return frame.textures.contains(c);
+                               }))
         return std::nullopt;
 
     FramePair pair;

@@ -36,7 +36,9 @@ struct PairingOptions {
 /// Returns each pair once it is complete. The pairs of one site have rising capture times: samples
 /// older than the last pair are dropped. Capture time and frame id together identify a frame, so a
 /// restarted site, which counts its frames from 0 again, is neither mixed with its former frames
-/// nor taken for late. Not thread-safe.
+/// nor taken for late. A site on several hosts is different: each camera node numbers its own
+/// pictures, and the mesh names the texture of each camera (`bus::SiteMesh::texture_frames`). Not
+/// thread-safe.
 class Pairing {
 public:
     explicit Pairing(const PairingOptions& options = {}) : options_(options) {}
@@ -65,13 +67,26 @@ private:
         std::optional<bus::SiteMesh> mesh;
         std::map<std::uint32_t, bus::CameraTexture> textures;
     };
+    /// Textures of one camera that have keys of their own.
+    struct OwnTextures {
+        std::optional<FrameKey> last;  // in a pair
+        std::map<FrameKey, bus::CameraTexture> waiting;
+    };
     struct Site {
         std::optional<FrameKey> last;  // last pair returned
         std::map<FrameKey, PendingFrame> pending;
         bool is_gone = false;  // makes room for another site
+        /// The meshes name their textures: these wait here, not in `pending`.
+        bool names_textures = false;
+        std::map<std::uint32_t, OwnTextures> own_textures;  // per camera
     };
 
     PendingFrame* find_or_add(const std::string& site, const FrameKey& key);
+    void note_naming(Site& site, const bus::SiteMesh& mesh);
+    bool keep_waiting(Site& site, bus::CameraTexture texture);
+    static FrameKey texture_key(const bus::SiteMesh& mesh, std::size_t index);
+    static bool collect(Site& site, PendingFrame& frame);
+    std::optional<FramePair> hand_out_newest(const std::string& site);
     std::optional<FramePair> hand_out_if_complete(const std::string& site, const FrameKey& key);
 
     PairingOptions options_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <random>
 #include <string>
 #include <string_view>
@@ -62,7 +63,8 @@ private:
     void fill(double& value, const RangeOrNone& limits) {
         value = below(4) == 0 ? limits.none : number(limits.range.low, limits.range.high);
     }
-    void fill(std::array<double, 5>& values, Range range) {
+    template <std::size_t N>
+    void fill(std::array<double, N>& values, Range range) {
         for (double& value : values) fill(value, range);
     }
     void fill(Eigen::Vector3d& vector, Range range) {
@@ -124,6 +126,21 @@ private:
         groups.resize(limits.end == 0 ? 0 : below(std::min<std::size_t>(limits.max, 2000)));
         for (auto& group : groups)
             for (auto& index : group) index = static_cast<std::uint16_t>(below(limits.end));
+    }
+    template <typename Wire, typename Element>
+    void fill_elements(std::vector<Element>& elements, EachOrNone limit) {
+        elements.resize(below(2) == 0 ? 0 : limit.max);
+        for (Element& element : elements) fields(*this, element, kNoWire<Wire>);
+    }
+    template <typename Wire>
+    void fill_elements(std::vector<std::uint32_t>& sizes, ContourSizes limit) {
+        sizes.resize(below(std::min<std::size_t>(limit.max, 8)));
+        for (std::uint32_t& size : sizes) size = static_cast<std::uint32_t>(below(40));
+    }
+    template <typename Wire>
+    void fill_elements(std::vector<std::array<double, 2>>& vertices, const Vertices& limits) {
+        vertices.resize(std::accumulate(limits.sizes.begin(), limits.sizes.end(), std::size_t{0}));
+        for (auto& vertex : vertices) fill(vertex, within(kMaxVertex_px));
     }
     template <typename Wire>
     void fill_elements(std::vector<std::uint32_t>& cameras, CameraSet set) {

@@ -137,6 +137,9 @@ private:
         } else if constexpr (std::is_same_v<Limits, CameraSet>) {
             set_each(last, {kMaxCamerasPerSite, 0xffffffff});
             if (elements.size() > 1) set_each(last, {elements.front()});
+        } else if constexpr (std::is_same_v<Limits, Vertices>) {
+            set_each(last, {kNan, kInfinity, 1.01 * kMaxVertex_px});
+            may([&] { wire._length -= 2; });
         }
     }
 

@@ -1,0 +1,79 @@
+#pragma once
+
+#include "core/bus/field_visitor.hpp"
+#include "core/bus/status_fields.hpp"
+
+/// Lists the fields of the messages between the hosts of a site, like fields.hpp, which includes
+/// it. Private to core/bus and its tests.
+namespace atrium::bus {
+
+// hosts.idl
+
+void fields(auto& v, Of<CameraSilhouette> auto& m, auto& w) {
+    v.key("CameraSilhouette.site", m.site, w.site, Text::kName);
+    v.key("CameraSilhouette.camera", m.camera, w.camera, Range{0, kMaxCamerasPerSite - 1});
+    v("CameraSilhouette.host", m.host, w.host, Text::kName);
+    v(m.frame_id, w.frame_id);
+    v("CameraSilhouette.capture_time", m.capture_time, w.capture_time_ns);
+    v(m.clock_epoch, w.clock_epoch);
+    v("CameraSilhouette.has_picture", m.has_picture, w.has_picture);
+    v("CameraSilhouette.has_texture", m.has_texture, w.has_texture);
+    v("CameraSilhouette.is_view_shifted", m.is_view_shifted, w.is_view_shifted);
+    const Range shift = within(kMaxImageSide_px);
+    v("CameraSilhouette.view_shift_px", m.view_shift_px, w.view_shift_px, shift);
+    v(m.num_contours_dropped, w.num_contours_dropped);
+    v("CameraSilhouette.segmentation_ms", m.segmentation_ms, w.segmentation_ms, kStatistic);
+    v("CameraSilhouette.polygons_ms", m.polygons_ms, w.polygons_ms, kStatistic);
+    v("CameraSilhouette.texture_ms", m.texture_ms, w.texture_ms, kStatistic);
+    v(m.colour_bytes, w.colour_bytes);
+    v(m.mask_bytes, w.mask_bytes);
+    const ContourSizes contours{kMaxContours};
+    v("CameraSilhouette.contour_sizes", m.contour_sizes, w.contour_sizes, contours);
+    const Vertices vertices{kMaxContourVertices, m.contour_sizes};
+    v("CameraSilhouette.vertices_px", m.vertices_px, w.vertices_px, vertices);
+}
+
+void fields(auto& v, Of<SiteOrders> auto& m, auto& w) {
+    v.key("SiteOrders.site", m.site, w.site, Text::kName);
+    v(m.number, w.number);
+    v("SiteOrders.asked", m.asked, w.asked_ns);
+    v("SiteOrders.jpeg_quality", m.jpeg_quality, w.jpeg_quality, Range{1, 100});
+    v("SiteOrders.colour_divisor", m.colour_divisor, w.colour_divisor, Range{1, 2});
+}
+
+void fields(auto& v, Of<ClockAnswer> auto& m, auto& w) {
+    v.key("ClockAnswer.site", m.site, w.site, Text::kName);
+    v.key("ClockAnswer.host", m.host, w.host, Text::kName);
+    v(m.number, w.number);
+    v("ClockAnswer.asked", m.asked, w.asked_ns);
+    v("ClockAnswer.received", m.received, w.received_ns);
+    v("ClockAnswer.answered", m.answered, w.answered_ns);
+    v(m.clock_epoch, w.clock_epoch);
+}
+
+void fields(auto& v, Of<CameraNodeStatus> auto& m, auto& w) {
+    v.key("CameraNodeStatus.site", m.site, w.site, Text::kName);
+    v.key("CameraNodeStatus.host", m.host, w.host, Text::kName);
+    v("CameraNodeStatus.time", m.time, w.time_ns);
+    v(m.num_pictures, w.num_pictures);
+    v(m.num_silhouettes, w.num_silhouettes);
+    v(m.num_textures, w.num_textures);
+    v(m.num_dropped_late, w.num_dropped_late);
+    v(m.num_failed, w.num_failed);
+    v(m.num_bytes_published, w.num_bytes_published);
+    v("CameraNodeStatus.bytes_per_s",
+      m.silhouette_bytes_per_s,
+      w.silhouette_bytes_per_s,
+      kStatistic);
+    v("CameraNodeStatus.bytes_per_s", m.texture_bytes_per_s, w.texture_bytes_per_s, kStatistic);
+    v("CameraNodeStatus.capture_to_silhouette", m.capture_to_silhouette, w.capture_to_silhouette);
+    v(m.resident_bytes, w.resident_bytes);
+    v("CameraNodeStatus.camera_indices", m.camera_indices, w.camera_indices, CameraSet{});
+    v("CameraNodeStatus.cameras", m.cameras, w.cameras, AtMost{m.camera_indices.size()});
+    v.part(m.processor, w.processor);
+    v("first_output_s", m.first_output_s, w.first_output_s, kStatistic);
+    v("CameraNodeStatus.is_clock_synchronised", m.is_clock_synchronised, w.is_clock_synchronised);
+    v("CameraNodeStatus.clock_max_error", m.clock_max_error, w.clock_max_error_ns);
+}
+
+}  // namespace atrium::bus
