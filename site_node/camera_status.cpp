@@ -43,6 +43,13 @@ std::string OffsetBoard::line() const {
 
 std::vector<bus::CameraStatus> camera_statuses(const std::vector<capture::CameraCounters>& counters,
                                                const OffsetBoard& offsets) {
+    std::vector<bus::CameraStatus> cameras = camera_statuses(counters);
+    for (std::size_t i = 0; i < cameras.size(); ++i) cameras[i].offset_ms = offsets.offset_ms(i);
+    return cameras;
+}
+
+std::vector<bus::CameraStatus> camera_statuses(
+    const std::vector<capture::CameraCounters>& counters) {
     std::vector<bus::CameraStatus> cameras;
     const auto now = std::chrono::steady_clock::now();
     for (const capture::CameraCounters& counted : counters) {
@@ -56,7 +63,6 @@ std::vector<bus::CameraStatus> camera_statuses(const std::vector<capture::Camera
         camera.num_dropped = counted.num_dropped;
         camera.num_backwards = counted.num_backwards;
         camera.num_reconnects = counted.num_reconnects;
-        camera.offset_ms = offsets.offset_ms(cameras.size() - 1);
         if (!counted.last_picture) continue;
         const std::chrono::duration<double, std::milli> age = now - *counted.last_picture;
         camera.last_picture_age_ms = std::max(age.count(), 0.0);  // it may be newer than `now`

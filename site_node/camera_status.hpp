@@ -36,4 +36,8 @@ private:
 std::vector<bus::CameraStatus> camera_statuses(const std::vector<capture::CameraCounters>& counters,
                                                const OffsetBoard& offsets);
 
+/// Without offsets: the host that assembles metaframes learns them.
+std::vector<bus::CameraStatus> camera_statuses(
+    const std::vector<capture::CameraCounters>& counters);
+
 }  // namespace atrium::site_node

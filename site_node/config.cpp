@@ -2,6 +2,7 @@
 
 #include "core/bus/bus_options.hpp"
 #include "core/config/rig.hpp"
+#include "core/presence/membership.hpp"
 #include "site_node/preview/preview.hpp"
 
 #include <fmt/format.h>
@@ -131,6 +132,19 @@ void declare_hull(HullStageOptions& hull, config::OptionSet& set) {
             "bounds");
 }
 
+std::string text_of(const std::vector<hosts::HostEntry>& hosts) {
+    std::string text;
+    for (const hosts::HostEntry& host : hosts) {
+        text +=
+            fmt::format("{}{}{} cameras [{}]",
+                        text.empty() ? "" : ", ",
+                        host.name,
+                        host.is_model ? " with the model" : "",
+                        host.takes_any ? "auto" : fmt::format("{}", fmt::join(host.cameras, ", ")));
+    }
+    return text.empty() ? "none" : text;
+}
+
 // Shows the values that only read_hull reads.
 void show_hull(const HullStageOptions& hull, config::OptionSet& set) {
     set.show("hull.whole_cameras",
@@ -165,6 +179,11 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             config.kept_silhouettes,
             "while a camera contradicts the rig, a folder here with the site's name has the newest "
             "silhouettes, for `calibrate refine`; empty: none");
+
+    set.add(
+        "host",
+        config.host,
+        "of a site on several hosts, [[host]]: the name of this one; empty: that of the system");
 
     set.add(
         "preview",
@@ -202,6 +221,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
     bus::declare(config.bus, set);
     app::declare(config.process, set);
     show_hull(config.pipeline.hull, set);
+    set.show("host", [&config] { return text_of(config.hosts); });
 }
 
 void read_hull(config::TableReader& reader, SiteNodeConfig& config) {
@@ -228,6 +248,18 @@ void read_hull(config::TableReader& reader, SiteNodeConfig& config) {
         if (!names.insert(hull.regions.back().name).second)
             region.reject("name", "must be different for every region");
     }
+}
+
+void read_tables(config::TableReader& reader, SiteNodeConfig& config) {
+    read_hull(reader, config);
+    read_segmentation(reader, config.pipeline);
+    read_cameras(reader, config.capture.cameras);
+    read_places(reader, config.capture);
+    hosts::read_hosts(reader, config.hosts);
+}
+
+std::string own_host(const SiteNodeConfig& config) {
+    return config.host.empty() ? presence::host_name() : config.host;
 }
 
 int default_threads() {

@@ -5,12 +5,14 @@
 #include "core/config/option_set.hpp"
 #include "core/config/table_reader.hpp"
 #include "simulation/room_config.hpp"
+#include "site_node/hosts/site_hosts.hpp"
 #include "site_node/pipeline.hpp"
 #include "site_node/source/capture_config.hpp"
 #include "site_node/stream/viewer_links.hpp"
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace atrium::site_node {
 
@@ -28,6 +30,8 @@ struct SiteNodeConfig {
     /// "auto": adapts the stream, except on loopback, where no link can be slow.
     std::string stream_adapt = "auto";        // or "on", "off"
     std::string texture_resolution = "half";  // or "full"
+    std::vector<hosts::HostEntry> hosts;  // with cameras of this site; empty: this process does all
+    std::string host;                     // this one's name in `hosts`; empty: that of the system
     bus::BusOptions bus;
     app::ProcessOptions process;
 
@@ -45,6 +49,12 @@ void declare(SiteNodeConfig& config, config::OptionSet& set);
 
 /// Reads the bounds and lists of `[hull]`, which are not options. `reader` collects the errors.
 void read_hull(config::TableReader& reader, SiteNodeConfig& config);
+
+/// Reads all tables and lists that are not options. `reader` collects the errors.
+void read_tables(config::TableReader& reader, SiteNodeConfig& config);
+
+/// The name of this host among `[[host]]`.
+std::string own_host(const SiteNodeConfig& config);
 
 /// The number of threads that `threads = 0` stands for: all cores but one, at least one.
 int default_threads();

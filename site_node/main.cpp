@@ -22,10 +22,7 @@ int main(int argc, char** argv) {
                                 [&] { return config.list_cameras; }};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
-            site_node::read_hull(reader, config);
-            site_node::read_segmentation(reader, config.pipeline);
-            site_node::read_cameras(reader, config.capture.cameras);
-            site_node::read_places(reader, config.capture);
+            site_node::read_tables(reader, config);
         });
     if (!start.go_on) return start.exit_code;
     if (config.list_cameras) {

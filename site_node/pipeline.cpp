@@ -30,9 +30,7 @@ struct Pipeline::CameraStage {
     // of the first stage
     std::optional<SilhouetteStage> silhouettes;  // empty: excluded, has no background
     // of the second stage
-    texture::TextureScratch texture;
-    codec::TextureCrop crop;
-    codec::TextureEncoder encoder;
+    TextureStage texture;
 };
 
 // Data of one camera in one metaframe.
@@ -40,6 +38,18 @@ struct Pipeline::Silhouettes::Camera : PictureSilhouette {
     bool sees_somebody = false;
     double texture_ms = 0.0;
     Expected<void> result;
+
+    // Takes what a camera node found in the picture.
+    void take(const capture::FoundSilhouette& found) {
+        contours = found.contours_px;
+        outlines.clear();
+        dropped.clear();
+        counts.num_not_undistorted = found.num_contours_dropped;
+        view_shift_px = found.view_shift_px;
+        segmentation_ms = found.segmentation_ms;
+        polygons_ms = found.polygons_ms;
+        texture_ms = found.texture_ms;
+    }
 
     void begin() {
         counts = {};
@@ -126,13 +136,22 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
         const capture::CameraFrame& frame = out.metaframe_.frames[i];
         Silhouettes::Camera& camera = *out.cameras_[i];
         camera.begin();
+        if (frame.found != nullptr) {
+            out.delivered_[i] = 1;
+            return camera.take(*frame.found);
+        }
         auto& stage = stages_[i]->silhouettes;
-        if (frame.image.empty() || !stage) return;
+        if (frame.is_lost() || !stage) return;
         out.delivered_[i] = 1;
         camera.result = stage->find(frame, {&executor, worker}, camera);
     };
     executor.parallel_for(cameras_.size(), work_on_camera);
     out.milliseconds_ = milliseconds_between(begin, Clock::now());
+    for (const auto& frame : out.metaframe_.frames) {
+        if (frame.found != nullptr)
+            out.milliseconds_ = std::max(out.milliseconds_,
+                                         frame.found->segmentation_ms + frame.found->polygons_ms);
+    }
     return first_failure(out);
 }
 
@@ -140,19 +159,29 @@ Expected<void> Pipeline::encode_texture(Silhouettes& silhouettes,
                                         const ColourCoding& coding,
                                         std::size_t camera,
                                         CodedCamera& coded) {
-    CameraStage& stage = *stages_[camera];
     Silhouettes::Camera& seen = *silhouettes.cameras_[camera];
     if (silhouettes.delivered_[camera] == 0 || hull_.contours(camera).empty()) return {};
+    if (silhouettes.metaframe_.frames[camera].found != nullptr) return {};
     const auto begin = Clock::now();
-    seen.sees_somebody = texture::crop_texture(
-        seen.picture, seen.mask.mask, seen.subject, options_.texture, stage.texture, stage.crop);
-    if (!seen.sees_somebody) return {};
     coded.camera = static_cast<std::uint32_t>(camera);
-    coded.crop_px = stage.crop.crop_px;
-    auto encoded =
-        stage.encoder.encode(stage.crop, coding.jpeg_quality, coding.divisor, coded.texture);
-    seen.texture_ms = milliseconds_between(begin, Clock::now());
-    return encoded;
+    const auto encoded = stages_[camera]->texture.encode(seen, options_.texture, coding, coded);
+    if (!encoded) return tl::unexpected(encoded.error());
+    seen.sees_somebody = *encoded;
+    if (seen.sees_somebody) seen.texture_ms = milliseconds_between(begin, Clock::now());
+    return {};
+}
+
+// Names the textures that camera nodes publish of this metaframe.
+void Pipeline::name_remote_textures(const capture::Metaframe& metaframe, SiteFrame& frame) {
+    for (const capture::CameraFrame& picture : metaframe.frames) {
+        const capture::FoundSilhouette* found = picture.found.get();
+        if (found == nullptr || !found->has_texture) continue;
+        frame.remote_textures.push_back({static_cast<std::uint32_t>(picture.camera),
+                                         found->texture_frame_id,
+                                         found->texture_time,
+                                         found->colour_bytes,
+                                         found->mask_bytes});
+    }
 }
 
 // Encodes the mesh, as one task, in parallel with the textures.
@@ -185,6 +214,7 @@ Expected<void> Pipeline::encode(Silhouettes& silhouettes,
         ++num_kept;
     }
     resize_keeping(frame.cameras, num_kept, spare_coded_);
+    name_remote_textures(silhouettes.metaframe_, frame);
     return first_failure(silhouettes);
 }
 
@@ -228,6 +258,7 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     frame.frame_id = silhouettes.metaframe_.frame_id;
     frame.capture_time = silhouettes.metaframe_.capture_time;
     frame.draco.clear();
+    frame.remote_textures.clear();
     frame.work_milliseconds = {};
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
         if (silhouettes.delivered_[i] != 0)

@@ -11,6 +11,7 @@
 #include "site_node/rig_check/rig_watch.hpp"
 #include "site_node/silhouette_stage/silhouette_stage.hpp"
 #include "site_node/texture/texture.hpp"
+#include "site_node/texture_stage.hpp"
 #include "site_node/views/named_view.hpp"
 
 #include <memory>
@@ -28,17 +29,13 @@ struct PipelineOptions : SilhouetteStageOptions {
     int jpeg_quality = 86;  // chosen from the table in docs/measurements/codecs.md
 };
 
-/// How to code the colours of one metaframe.
-struct ColourCoding {
-    int jpeg_quality = 86;
-    int divisor = 1;  // 1: as large as the mask; 2: half as wide and high
-};
-
-/// Coded texture of one camera.
-struct CodedCamera {
+/// A texture that a camera node publishes itself.
+struct RemoteTexture {
     std::uint32_t camera = 0;
-    image::PixelRect crop_px;
-    codec::CodedTexture texture;
+    std::uint64_t frame_id = 0;
+    Timestamp capture_time;          // on the camera node's clock
+    std::uint32_t colour_bytes = 0;  // of the camera's previous texture
+    std::uint32_t mask_bytes = 0;
 };
 
 /// Counts the losses and repairs in the hull of one metaframe.
@@ -57,7 +54,8 @@ struct SiteFrame {
     std::uint64_t frame_id = 0;
     Timestamp capture_time;
     std::vector<CodedCamera> cameras;  // cameras that see somebody; empty if nobody is there
-    std::vector<std::uint8_t> draco;   // empty: nobody is there
+    std::vector<RemoteTexture> remote_textures;  // of further such cameras
+    std::vector<std::uint8_t> draco;             // empty: nobody is there
     hull::VisualHull hull;
     MetaframeLosses losses;
 
@@ -79,7 +77,8 @@ struct SiteFrame {
 };
 
 /// Turns the pictures of one metaframe into a coded mesh and textures, in two stages: the
-/// silhouettes of all cameras, then hull and coding. Uses no network and creates no threads.
+/// silhouettes of all cameras, then hull and coding. Of frames that come as `FoundSilhouette` it
+/// uses the contours; their camera nodes code the textures. Uses no network and creates no threads.
 class Pipeline {
 public:
     /// Data that the first stage hands to the second for one metaframe. Reusable: keeps its memory.
@@ -158,6 +157,7 @@ private:
                                   const ColourCoding& coding,
                                   std::size_t camera,
                                   CodedCamera& coded);
+    static void name_remote_textures(const capture::Metaframe& metaframe, SiteFrame& frame);
     Expected<void> encode(Silhouettes& silhouettes,
                           const ColourCoding& coding,
                           Executor& executor,

@@ -142,7 +142,7 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
 void SiteNode::hand_over(capture::Metaframe metaframe) {
     std::string missing;
     for (const capture::CameraFrame& frame : metaframe.frames) {
-        if (frame.image.empty()) missing += " " + source_->rig().cameras[frame.camera].name;
+        if (frame.is_lost()) missing += " " + source_->rig().cameras[frame.camera].name;
     }
     if (!missing.empty()) {
         complaints_.warn(fmt::format("metaframe goes on without cameras id={} missing=\"{}\"",
@@ -159,7 +159,10 @@ void SiteNode::find_silhouettes(std::stop_token stop) {
         std::unique_ptr<Pipeline::Silhouettes> memory;
         if (begun->dropped) memory = std::move(begun->dropped->silhouettes);
         begun->dropped.reset();
-        if (const auto choice = stream_.offer(std::chrono::steady_clock::now()))
+        const auto choice = stream_.offer(std::chrono::steady_clock::now());
+        if (choice && hosts_ != nullptr)
+            hosts_->set_coding(choice->level.jpeg_quality, choice->level.colour_divisor);
+        if (choice)
             find_silhouettes_of(begun->value, *choice, std::move(memory));
         else
             lock_step_.finish();
@@ -271,6 +274,17 @@ void SiteNode::publish_frames(std::stop_token stop) {
     }
 }
 
+// Textures of camera nodes have keys of their own. If there are any, the mesh names the key of
+// each.
+void SiteNode::name_remote_textures(const SiteFrame& frame, bus::SiteMesh& mesh) {
+    if (frame.remote_textures.empty()) return;
+    mesh.texture_frames.assign(mesh.textured_cameras.size(), {frame.frame_id, frame.capture_time});
+    for (const RemoteTexture& texture : frame.remote_textures) {
+        mesh.textured_cameras.push_back(texture.camera);
+        mesh.texture_frames.push_back({texture.frame_id, texture.capture_time});
+    }
+}
+
 // Writes the mesh last: with its arrival a viewer's pair is complete. Lends the coded bytes to the
 // messages without a copy; afterwards `frame` has them again and keeps its memory.
 Expected<std::size_t> SiteNode::publish(SiteFrame& frame) {
@@ -291,6 +305,7 @@ Expected<std::size_t> SiteNode::publish(SiteFrame& frame) {
         num_bytes += *written;
         mesh.textured_cameras.push_back(camera.camera);
     }
+    name_remote_textures(frame, mesh);
     mesh.draco.swap(frame.draco);
     const auto written = writers_.mesh.write(mesh);
     mesh.draco.swap(frame.draco);

@@ -13,6 +13,7 @@
 #include "site_node/capture/timed_assembler.hpp"
 #include "site_node/coherence_watcher.hpp"
 #include "site_node/config.hpp"
+#include "site_node/hosts/hosts_source.hpp"
 #include "site_node/lock_step.hpp"
 #include "site_node/preview/preview.hpp"
 #include "site_node/rig_watcher.hpp"
@@ -73,7 +74,8 @@ private:
              Writers writers,
              bus::Reader<bus::StreamFeedback> feedback,
              std::shared_ptr<RunControl> run_control,
-             std::unique_ptr<presence::Membership> membership);
+             std::unique_ptr<presence::Membership> membership,
+             hosts::HostsSource* hosts);
 
     void capture_metaframes(std::stop_token stop);
     void hand_over(capture::Metaframe metaframe);
@@ -97,10 +99,12 @@ private:
     void show_preview(const Pipeline::Silhouettes& silhouettes);
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
+    static void name_remote_textures(const SiteFrame& frame, bus::SiteMesh& mesh);
     Expected<std::size_t> publish(SiteFrame& frame);
 
     SiteNodeConfig config_;
     std::unique_ptr<capture::FrameSource> source_;
+    hosts::HostsSource* hosts_;  // is `source_`; null: this process has the cameras
     Pipeline pipeline_;
     Writers writers_;
     StreamAdapter stream_;

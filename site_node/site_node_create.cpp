@@ -61,6 +61,45 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
     return {};
 }
 
+// Checks the part of this host in a site on several hosts: it has to be the model part.
+Expected<void> check_own_part(const SiteNodeConfig& config, const config::Rig& rig) {
+    if (config.hosts.empty()) return {};
+    if (auto fits = hosts::check_hosts(config.hosts, rig, config.name); !fits) return fits;
+    const auto own = hosts::find_host(config.hosts, own_host(config));
+    if (!own) return tl::unexpected(own.error());
+    if (!own->is_model) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}: host: '{}' does not compute the hull (model = true): run camera_node "
+                        "there",
+                        own->place,
+                        own->name));
+    }
+    if (!config.preview.empty()) {
+        return make_error(ErrorKind::kConfiguration,
+                          "--preview: the pictures stay on the hosts of the cameras");
+    }
+    return {};
+}
+
+// `hosts`: the same source, if the pictures are those of camera nodes.
+Expected<std::unique_ptr<capture::FrameSource>> open_frames(const SiteNodeConfig& config,
+                                                            const config::Rig& rig,
+                                                            const bus::Participant& participant,
+                                                            hosts::HostsSource*& hosts,
+                                                            std::stop_token stop) {
+    if (config.hosts.empty()) return open_source(config.capture, config.simulation, stop);
+    auto source = hosts::HostsSource::open(
+        participant,
+        rig,
+        {config.name,
+         config.hosts,
+         std::chrono::nanoseconds(static_cast<std::int64_t>(config.capture.deadline_ms * 1e6))});
+    if (!source) return tl::unexpected(source.error());
+    hosts = source->get();
+    return std::unique_ptr<capture::FrameSource>(std::move(*source));
+}
+
 rig_check::AgreementOptions agreement_options(const HullStageOptions& hull,
                                               const Pipeline& pipeline) {
     rig_check::AgreementOptions options;
@@ -118,6 +157,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
     if (config.threads == 0) config.threads = default_threads();
     take_bounds(*rig, config.pipeline.hull);
     if (auto fits = check(config, *rig); !fits) return tl::unexpected(fits.error());
+    if (auto fits = check_own_part(config, *rig); !fits) return tl::unexpected(fits.error());
     const auto hull = HullStage::create(
         rig->cameras, config.pipeline.hull, config.pipeline.silhouette.tolerance_px);
     if (!hull) return tl::unexpected(hull.error());
@@ -133,10 +173,11 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
         stop);
     if (!member) return tl::unexpected(member.error());
 
-    auto source = open_source(config.capture, config.simulation, stop);
+    hosts::HostsSource* hosts = nullptr;
+    auto source = open_frames(config, *rig, *participant, hosts, stop);
     if (!source) return tl::unexpected(source.error());
     app::log::info("source opened kind={} cameras={} rate_hz={}",
-                   config.capture.source,
+                   hosts == nullptr ? config.capture.source : "camera nodes",
                    (*source)->rig().cameras.size(),
                    source_rate_text(config, (*source)->rig()));
     auto pipeline = Pipeline::create(**source, config.pipeline, stop);
@@ -165,7 +206,8 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
                                                   std::move(writers),
                                                   std::move(*feedback),
                                                   run_control,
-                                                  std::move(*member)));
+                                                  std::move(*member),
+                                                  hosts));
 }
 
 SiteNode::SiteNode(const SiteNodeConfig& config,
@@ -174,9 +216,11 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
                    Writers writers,
                    bus::Reader<bus::StreamFeedback> feedback,
                    std::shared_ptr<RunControl> run_control,
-                   std::unique_ptr<presence::Membership> membership)
+                   std::unique_ptr<presence::Membership> membership,
+                   hosts::HostsSource* hosts)
     : config_(config),
       source_(std::move(source)),
+      hosts_(hosts),
       pipeline_(std::move(pipeline)),
       writers_(std::move(writers)),
       stream_(config_.stream,

@@ -106,6 +106,7 @@ bus::SiteStatus SiteNode::status() const {
     status.first_output_s = first_output_s_;
     status.coherence = coherence_watcher_.newest();
     status.finding = rig_watcher_.finding();
+    if (hosts_ != nullptr) status.hosts = hosts_->statuses();
     const std::lock_guard lock(processor_mutex_);
     status.processor = processor_;
     return status;

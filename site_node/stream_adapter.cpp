@@ -20,6 +20,10 @@ stream::FrameBytes frame_bytes(const SiteFrame& frame) {
         bytes.fixed += camera.texture.mask.size();
         bytes.colour += camera.texture.colour.size();
     }
+    for (const RemoteTexture& texture : frame.remote_textures) {
+        bytes.fixed += texture.mask_bytes;
+        bytes.colour += texture.colour_bytes;
+    }
     return bytes;
 }
 

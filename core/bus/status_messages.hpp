@@ -105,18 +105,18 @@ struct RigCoherence {
     bool operator==(const RigCoherence&) const = default;
 };
 
-enum class HostState : std::uint8_t { kMissing, kInUse, kClockUnknown, kClockWrong };
+enum class HostState : std::uint8_t { kMissing, kInUse, kClockUnknown, kClockWrong, kLate };
 
 /// One host of a site whose cameras hang on several.
 struct HostStatus {
     std::string name;
     HostState state = HostState::kMissing;
-    /// Its clock minus that of the model part's host. Without a meaning unless kInUse or
-    /// kClockWrong.
+    /// Its clock minus that of the model part's host. Without a meaning if kMissing or
+    /// kClockUnknown.
     double clock_offset_ms = 0.0;
     double clock_error_ms = 0.0;  // how far off that figure may be
     std::uint32_t num_cameras = 0;
-    std::uint64_t num_left_out = 0;  // pictures that were not used because of the host's clock
+    std::uint64_t num_left_out = 0;  // pictures that were not used because of the host's state
 
     bool operator==(const HostStatus&) const = default;
 };

@@ -2,11 +2,11 @@
 
 #include "core/bus/limits.hpp"
 #include "core/presence/clock_watch.hpp"
+#include "core/presence/kernel_clock.hpp"
 #include "core/presence/name_claim.hpp"
 
 #include <fmt/format.h>
 #include <pthread.h>
-#include <sys/timex.h>
 #include <unistd.h>
 
 #include <array>
@@ -39,11 +39,9 @@ std::uint64_t draw_instance() {
 }
 
 void read_clock(Presence& presence) {
-    timex clock{};
-    const int state = ::adjtimex(&clock);
-    presence.is_clock_synchronised =
-        state >= 0 && state != TIME_ERROR && (clock.status & STA_UNSYNC) == 0;
-    presence.clock_max_error = std::chrono::microseconds(clock.maxerror);
+    const KernelClock clock = kernel_clock();
+    presence.is_clock_synchronised = clock.is_synchronised;
+    presence.clock_max_error = clock.max_error;
 }
 
 }  // namespace

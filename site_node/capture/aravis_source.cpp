@@ -81,7 +81,9 @@ struct AravisSource::Cameras {
 
     void run_trigger_beat(std::stop_token stop) {
         pthread_setname_np(pthread_self(), "trigger");
-        Pace pace(shared_state.period());
+        Pace pace(
+            shared_state.period(),
+            shared_state.options.is_trigger_aligned ? Pace::Phase::kAligned : Pace::Phase::kFree);
         while (pace.wait(stop)) {
             // a late beat would be confused with the next one
             if (Pace::Clock::now() - pace.due() > shared_state.period() / 4) continue;

@@ -22,12 +22,12 @@ std::int64_t CameraOffsets::median_of_scratch() {
 void CameraOffsets::learn(const std::vector<CameraFrame>& frames) {
     scratch_.clear();
     for (const CameraFrame& frame : frames) {
-        if (!frame.image.empty()) scratch_.push_back(trigger_time(frame).ns);
+        if (!frame.is_lost()) scratch_.push_back(trigger_time(frame).ns);
     }
     if (scratch_.size() < 2 || 2 * scratch_.size() <= frames.size()) return;
     const std::int64_t trigger_ns = median_of_scratch();
     for (const CameraFrame& frame : frames) {
-        if (frame.image.empty()) continue;
+        if (frame.is_lost()) continue;
         Camera& camera = cameras_[frame.camera];
         camera.deviations_ns[camera.next] = frame.capture_time.ns - trigger_ns;
         camera.next = (camera.next + 1) % kWindow;

@@ -50,6 +50,7 @@ struct CamerasOptions {
     std::vector<CameraEntry> cameras;
     CameraSettings common;
     TriggerMode trigger = TriggerMode::kSoftware;
+    bool is_trigger_aligned = false;      // beats of the software trigger: Pace::Phase::kAligned
     std::size_t min_cameras = 0;          // required at the start; 0: all
     std::chrono::nanoseconds deadline{};  // longest time that the site keeps a picture waiting
     int num_buffers = 0;                  // per camera; 0: enough for rate and deadline

@@ -38,7 +38,11 @@ public:
     /// last ones may be missing.
     virtual std::size_t num_frames() const { return 0; }
 
-    /// Of these, the number that `run` has passed. Thread-safe.
+    /// Number of instants after which `run` repeats itself, all readable by `read_picture`; 0: it
+    /// does not.
+    virtual std::size_t loop_length() const { return num_frames(); }
+
+    /// Of `num_frames`, the number that `run` has passed. Thread-safe.
     virtual std::size_t num_passed() const { return 0; }
 
     /// Reads picture `index` of one camera. An error if it is missing or unreadable. Threads may

@@ -85,10 +85,10 @@ MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
 
 void MetaframeAssembler::place(CameraFrame frame, std::chrono::steady_clock::time_point arrival) {
     const std::size_t camera = frame.camera;
-    const bool is_lost = frame.image.empty();
+    const bool is_lost = frame.is_lost();
     Pending* const pending =
         camera < num_cameras_ ? find_or_open(offsets_.trigger_time(frame), arrival) : nullptr;
-    if (pending == nullptr || !pending->frames[camera].image.empty()) {
+    if (pending == nullptr || !pending->frames[camera].is_lost()) {
         if (!is_lost) ++counters_.num_stray;
         return;
     }
@@ -113,7 +113,7 @@ std::optional<Metaframe> MetaframeAssembler::take_ready() {
     metaframe.frame_id = ready_->frame_id;
     metaframe.capture_time = {std::numeric_limits<std::int64_t>::max()};
     for (const CameraFrame& frame : ready_->frames) {
-        if (!frame.image.empty())
+        if (!frame.is_lost())
             metaframe.capture_time = std::min(metaframe.capture_time, frame.capture_time);
     }
     metaframe.frames = std::move(ready_->frames);

@@ -72,4 +72,17 @@ Expected<void> SimulatedSource::run(std::stop_token stop, const Sink& sink) {
     return {};
 }
 
+Expected<capture::CameraFrame> SimulatedSource::read_picture(std::size_t camera,
+                                                             std::size_t index) {
+    const std::size_t num = loop_.frames.size();
+    const double time_s = static_cast<double>(index) / rig_.rate_hz;
+    return capture::CameraFrame{
+        camera,
+        {},
+        light_.lit(loop_.frames[wrong_.shown_instant(camera, index % num, num)]
+                               [wrong_.rendered_index(camera, time_s)],
+                   time_s),
+        nullptr};
+}
+
 }  // namespace atrium::simulated_room

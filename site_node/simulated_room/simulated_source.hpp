@@ -31,6 +31,9 @@ public:
                                                 const BackgroundSink& sink,
                                                 std::stop_token stop) override;
     Expected<void> run(std::stop_token stop, const Sink& sink) override;
+    std::size_t loop_length() const override { return loop_.frames.size(); }
+    /// With lights and cameras as at the first round.
+    Expected<capture::CameraFrame> read_picture(std::size_t camera, std::size_t index) override;
     /// Counts delivered pictures as received.
     std::vector<capture::CameraCounters> camera_counters() const override {
         return counters_.counters();

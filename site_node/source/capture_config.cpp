@@ -46,6 +46,10 @@ void declare(CaptureConfig& capture, config::OptionSet& set) {
             "metaframes per second [Hz]; 0: as recorded, or as in the rig",
             {0, 1000});
     set.add("capture.loop", capture.loop, "restart a recording at its end");
+    set.add("capture.aligned",
+            capture.aligned,
+            "show instant n at n periods after the Unix epoch, as all hosts of a site do; plays a "
+            "recording without end");
     set.add("every", capture.every, "recording: use each Nth instant only", {1, 1e6});
     set.add("capture.tolerance_ms",
             capture.tolerance_ms,

@@ -18,6 +18,7 @@ struct CaptureConfig {
     double rate_hz = 0.0;              // 0: as recorded, or the rig's rate
     bool loop = false;                 // recording: start again at its end
     int every = 1;                     // recording: each Nth instant
+    bool aligned = false;              // AlignedSource; software triggers count from the epoch
     bool as_fast_as_possible = false;  // recording: the next metaframe when the last one is done
     double tolerance_ms = 0.0;         // between a trigger and its pictures; 0: a quarter period
     double deadline_ms = 100.0;        // how long a metaframe may stay incomplete

@@ -5,11 +5,13 @@
 #include "site_node/capture/camera_discovery.hpp"
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/simulated_room/open_room.hpp"
+#include "site_node/source/aligned_source.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <string>
 #include <system_error>
@@ -128,11 +130,39 @@ Expected<config::Rig> uncalibrated_rig(const CaptureConfig& config,
 Source open_source(const CaptureConfig& config,
                    const simulation::RoomConfig& room,
                    std::stop_token stop) {
+    if (config.aligned) return open_aligned_source(config, room, {}, stop);
     if (config.source == "recording") return open_recording(config, true);
     if (config.source != "cameras") return open_simulated_room(config, room, stop);
     const auto rig = load_rig(config);
     if (!rig) return tl::unexpected(rig.error());
     return open_cameras(*rig, config.cameras, config, stop);
+}
+
+Source open_aligned_source(const CaptureConfig& config,
+                           const simulation::RoomConfig& room,
+                           const std::vector<std::string>& cameras,
+                           std::stop_token stop) {
+    if (config.source != "cameras") {
+        CaptureConfig free = config;
+        free.aligned = false;
+        auto source = open_source(free, room, stop);
+        if (!source) return source;
+        const double rate_hz = config.rate_hz > 0.0 ? config.rate_hz : (*source)->rig().rate_hz;
+        auto aligned = AlignedSource::create(std::move(*source), cameras, rate_hz);
+        if (!aligned) return tl::unexpected(aligned.error());
+        return std::unique_ptr<capture::FrameSource>(std::move(*aligned));
+    }
+    auto rig = load_rig(config);
+    if (!rig) return tl::unexpected(rig.error());
+    const auto is_chosen = [&](const auto& camera) {
+        return cameras.empty() || std::ranges::find(cameras, camera.name) != cameras.end();
+    };
+    std::erase_if(rig->cameras, std::not_fn(is_chosen));
+    CaptureConfig own = config;
+    std::erase_if(own.cameras.options.cameras, std::not_fn(is_chosen));
+    own.cameras.options.is_trigger_aligned = true;
+    if (!cameras.empty()) own.min_cameras = 1;  // the others are searched for
+    return open_cameras(*rig, own.cameras, own, stop);
 }
 
 Source open_uncalibrated_source(const CaptureConfig& config,

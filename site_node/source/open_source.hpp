@@ -6,6 +6,8 @@
 
 #include <memory>
 #include <stop_token>
+#include <string>
+#include <vector>
 
 namespace atrium::site_node {
 
@@ -13,6 +15,15 @@ namespace atrium::site_node {
 Expected<std::unique_ptr<capture::FrameSource>> open_source(const CaptureConfig& config,
                                                             const simulation::RoomConfig& room,
                                                             std::stop_token stop);
+
+/// Opens the frame source with only these cameras of its rig, given by name; it begins to count its
+/// cameras there. All hosts of a site show the same instant at the same time of their clocks:
+/// recordings and simulated rooms count them from the Unix epoch, and software triggers fire then.
+Expected<std::unique_ptr<capture::FrameSource>> open_aligned_source(
+    const CaptureConfig& config,
+    const simulation::RoomConfig& room,
+    const std::vector<std::string>& cameras,
+    std::stop_token stop);
 
 /// Like `open_source`, for cameras that are not calibrated yet: only names, sizes and the rate of
 /// the source's rig are known. Live cameras need no `[[capture.camera]]`: without any, all that

@@ -111,6 +111,8 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
       "core/bus/names.hpp",
       "world_server/physics/"}},
     {"world_server/physics/", {"core/base/", "core/geometry/"}},
+    {"site_node/hosts/",
+     {"core/base/", "core/bus/", "core/config/", "core/app/", "site_node/capture/"}},
     {"site_node/views/", {"core/base/", "site_node/hull/"}},
     {"site_node/rig_check/",
      {"core/base/", "core/geometry/", "site_node/hull/", "site_node/views/"}},

@@ -194,5 +194,99 @@ TEST(Pairing, DeliversEveryFrameInOrderWithoutLoss) {
     EXPECT_EQ(sut.num_late(), 0u);
 }
 
+// A site on several hosts: each camera node numbers its pictures, on its own clock.
+bus::FrameKey own_key(std::uint64_t frame, std::uint32_t camera) {
+    const std::int64_t off_ns = 1'000'000 * (static_cast<std::int64_t>(camera) - 2);
+    return {1000 * camera + frame,
+            {kStartNs + static_cast<std::int64_t>(frame) * kPeriodNs + off_ns}};
+}
+
+bus::SiteMesh naming_mesh(std::uint64_t frame, const std::vector<std::uint32_t>& cameras) {
+    bus::SiteMesh m = mesh("a", frame, cameras);
+    for (const std::uint32_t camera : cameras) m.texture_frames.push_back(own_key(frame, camera));
+    return m;
+}
+
+bus::CameraTexture own_texture(std::uint64_t frame, std::uint32_t camera) {
+    bus::CameraTexture t = texture("a", frame, camera);
+    t.frame_id = own_key(frame, camera).frame_id;
+    t.capture_time = own_key(frame, camera).capture_time;
+    return t;
+}
+
+TEST(Pairing, FindsTheTexturesThatAMeshNames) {
+    Pairing sut;
+    EXPECT_FALSE(sut.add(own_texture(1, 0)));
+    EXPECT_FALSE(sut.add(naming_mesh(1, {0, 3})));
+    const auto pair = sut.add(own_texture(1, 3));
+    ASSERT_TRUE(pair);
+    ASSERT_EQ(pair->textures.size(), 2u);
+    EXPECT_EQ(pair->textures[0].frame_id, own_key(1, 0).frame_id);
+    EXPECT_EQ(pair->textures[1].frame_id, own_key(1, 3).frame_id);
+}
+
+TEST(Pairing, TexturesThatNoMeshNamesAreNoLoss) {
+    Pairing sut;
+    ASSERT_FALSE(sut.add(naming_mesh(1, {0})));
+    ASSERT_TRUE(sut.add(own_texture(1, 0)));
+    for (std::uint64_t frame = 2; frame < 40; ++frame) EXPECT_FALSE(sut.add(own_texture(frame, 0)));
+    EXPECT_TRUE(sut.add(naming_mesh(39, {0})));
+    EXPECT_EQ(sut.num_incomplete(), 0u);
+    EXPECT_FALSE(sut.add(own_texture(38, 0)));
+    EXPECT_EQ(sut.num_late(), 1u);
+}
+
+TEST(Pairing, ASiteMayChangeBetweenOneProcessAndSeveralHosts) {
+    Pairing sut;
+    EXPECT_FALSE(sut.add(naming_mesh(1, {0})));
+    EXPECT_TRUE(sut.add(own_texture(1, 0)));
+    EXPECT_FALSE(sut.add(mesh("a", 2, {0})));
+    EXPECT_TRUE(sut.add(texture("a", 2, 0)));
+    EXPECT_FALSE(sut.add(own_texture(3, 0)));
+    EXPECT_TRUE(sut.add(naming_mesh(3, {0})));
+}
+
+class PairingOfHostsUnderFaults : public testing::TestWithParam<int> {};
+
+TEST_P(PairingOfHostsUnderFaults, NeverMixesOrGoesBackAndStaysBounded) {
+    std::mt19937 random(static_cast<unsigned>(GetParam()));
+    const auto chance = [&](double p) { return std::bernoulli_distribution(p)(random); };
+    using Sample = std::variant<bus::SiteMesh, bus::CameraTexture>;
+    std::vector<std::pair<double, Sample>> deliveries;
+    std::uniform_real_distribution<> delay(0.0, 2.5);  // frames
+    for (std::uint64_t frame = 0; frame < 200; ++frame) {
+        std::vector<std::uint32_t> cameras;
+        for (std::uint32_t c = 0; c < 6; ++c) {
+            if (chance(0.7)) cameras.push_back(c);
+            if (chance(0.95))
+                deliveries.emplace_back(static_cast<double>(frame) + delay(random),
+                                        own_texture(frame, c));
+        }
+        if (chance(0.95))
+            deliveries.emplace_back(static_cast<double>(frame) + delay(random),
+                                    naming_mesh(frame, cameras));
+    }
+    std::ranges::stable_sort(deliveries, {}, [](const auto& d) { return d.first; });
+    Pairing sut({.max_pending_frames = 4});
+    std::int64_t last_ns = 0;
+    std::size_t num_pairs = 0;
+    for (auto& [due, sample] : deliveries) {
+        const auto pair = std::visit([&](auto& s) { return sut.add(std::move(s)); }, sample);
+        ASSERT_LE(sut.num_pending("a"), 4u);
+        if (!pair) continue;
+        ++num_pairs;
+        ASSERT_GT(pair->mesh.capture_time.ns, last_ns);
+        last_ns = pair->mesh.capture_time.ns;
+        ASSERT_EQ(pair->textures.size(), pair->mesh.textured_cameras.size());
+        for (std::size_t i = 0; i < pair->textures.size(); ++i) {
+            ASSERT_EQ(pair->textures[i].camera, pair->mesh.textured_cameras[i]);
+            ASSERT_EQ(pair->textures[i].frame_id, pair->mesh.texture_frames[i].frame_id);
+            ASSERT_EQ(pair->textures[i].capture_time, pair->mesh.texture_frames[i].capture_time);
+        }
+    }
+    EXPECT_GT(num_pairs, 40u);
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, PairingOfHostsUnderFaults, testing::Range(0, 40));
+
 }  // namespace
 }  // namespace atrium::viewer

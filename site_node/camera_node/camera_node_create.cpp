@@ -1,0 +1,142 @@
+#include "core/presence/join_world.hpp"
+#include "site_node/camera_node/camera_node.hpp"
+#include "site_node/source/open_source.hpp"
+#include "site_node/start_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+// Start of a camera node: everything that can fail.
+namespace atrium::camera_node {
+namespace {
+
+using site_node::SiteNodeConfig;
+
+// The rig's index of each camera of the source.
+std::vector<std::uint32_t> indices_in(const config::Rig& rig, const config::Rig& of_source) {
+    std::vector<std::uint32_t> indices;
+    for (const geometry::CalibratedCamera& camera : of_source.cameras) {
+        const auto found =
+            std::ranges::find(rig.cameras, camera.name, &geometry::CalibratedCamera::name);
+        indices.push_back(static_cast<std::uint32_t>(found - rig.cameras.begin()));
+    }
+    return indices;
+}
+
+Expected<std::vector<site_node::SilhouetteStage>> make_stages(capture::FrameSource& source,
+                                                              const SiteNodeConfig& config,
+                                                              std::stop_token stop) {
+    std::vector<site_node::SilhouetteStage> stages;
+    if (source.has_silhouettes()) {
+        for (const geometry::CalibratedCamera& camera : source.rig().cameras)
+            stages.emplace_back(camera, config.pipeline);
+        return stages;
+    }
+    auto made = site_node::make_silhouette_stages(
+        source, site_node::all_cameras(source), config.pipeline, stop);
+    for (std::size_t i = 0; i < made.size(); ++i) {
+        if (!made[i])
+            return make_error(
+                made[i].error().kind,
+                fmt::format(
+                    "camera '{}': {}", source.rig().cameras[i].name, made[i].error().message));
+        stages.push_back(std::move(*made[i]));
+    }
+    return stages;
+}
+
+Expected<CameraWork::Writers> open_writers(const bus::Participant& participant) {
+    auto silhouettes = bus::Writer<bus::CameraSilhouette>::create(participant);
+    if (!silhouettes) return tl::unexpected(silhouettes.error());
+    auto textures = bus::Writer<bus::CameraTexture>::create(participant);
+    if (!textures) return tl::unexpected(textures.error());
+    return CameraWork::Writers{std::move(*silhouettes), std::move(*textures)};
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& asked,
+                                                         std::stop_token stop) {
+    if (auto checked = check(asked); !checked) return tl::unexpected(checked.error());
+    if (auto found = check_places(asked); !found) return tl::unexpected(found.error());
+    if (asked.hosts.empty())
+        return make_error(ErrorKind::kConfiguration,
+                          "host: the site's file has no [[host]]: the site is one process, "
+                          "site_node (docs/site_hosts.md)");
+    const auto rig = load_checked_rig(asked);
+    if (!rig) return tl::unexpected(rig.error());
+    SiteNodeConfig config = asked;
+    if (config.threads == 0) config.threads = site_node::default_threads();
+    if (auto fits = hosts::check_hosts(config.hosts, *rig, config.name); !fits)
+        return tl::unexpected(fits.error());
+    if (auto fits = check_areas(config.pipeline, *rig); !fits) return tl::unexpected(fits.error());
+    const std::string name = site_node::own_host(config);
+    const auto host = hosts::find_host(config.hosts, name);
+    if (!host) return tl::unexpected(host.error());
+    const std::vector<std::string> names = hosts::cameras_of(*host, config.hosts, *rig);
+    if (names.empty())
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}: host: '{}' has no cameras: run site_node there", host->place, name));
+
+    auto participant = bus::Participant::create(config.bus);
+    if (!participant) return tl::unexpected(participant.error());
+    const auto run_control = std::make_shared<site_node::RunControl>();
+    auto member = presence::join_world(
+        *participant,
+        bus::ProgramKind::kCameraNode,
+        hosts::camera_node_name(config.name, name),
+        [run_control](const Error& lost) { run_control->lose_name(lost); },
+        stop);
+    if (!member) return tl::unexpected(member.error());
+
+    auto source = site_node::open_aligned_source(config.capture, config.simulation, names, stop);
+    if (!source) return tl::unexpected(source.error());
+    const double rate_hz =
+        config.capture.rate_hz > 0.0 ? config.capture.rate_hz : (*source)->rig().rate_hz;
+    app::log::info("source opened kind={} host={} cameras=\"{}\" rate_hz={:g}",
+                   config.capture.source,
+                   name,
+                   fmt::join(names, " "),
+                   rate_hz);
+    auto stages = make_stages(**source, config, stop);
+    if (!stages) return tl::unexpected(stages.error());
+
+    const std::vector<std::uint32_t> indices = indices_in(*rig, (*source)->rig());
+    std::vector<std::unique_ptr<Camera>> cameras;
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+        // One per camera: Cyclone DDS repairs only one fragmented sample per writer and round trip.
+        auto writers = open_writers(*participant);
+        if (!writers) return tl::unexpected(writers.error());
+        auto camera = std::make_unique<Camera>();
+        camera->index = indices[i];
+        camera->work = std::make_unique<CameraWork>(config.name,
+                                                    name,
+                                                    indices[i],
+                                                    std::move((*stages)[i]),
+                                                    config.pipeline.texture,
+                                                    std::move(*writers));
+        cameras.push_back(std::move(camera));
+    }
+    auto orders = bus::Reader<bus::SiteOrders>::create(*participant);
+    if (!orders) return tl::unexpected(orders.error());
+    auto answers = bus::Writer<bus::ClockAnswer>::create(*participant);
+    if (!answers) return tl::unexpected(answers.error());
+    auto status = bus::Writer<bus::CameraNodeStatus>::create(*participant);
+    if (!status) return tl::unexpected(status.error());
+    auto waiter = bus::Waiter::create(*participant);
+    if (!waiter) return tl::unexpected(waiter.error());
+    waiter->add(*orders);
+    return std::unique_ptr<CameraNode>(new CameraNode(
+        config,
+        name,
+        names,
+        std::move(*source),
+        std::move(cameras),
+        {std::move(*orders), std::move(*answers), std::move(*status), std::move(*waiter)},
+        run_control,
+        std::move(*member)));
+}
+
+}  // namespace atrium::camera_node

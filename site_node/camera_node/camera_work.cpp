@@ -1,0 +1,100 @@
+#include "site_node/camera_node/camera_work.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace atrium::camera_node {
+
+CameraWork::CameraWork(std::string site,
+                       std::string host,
+                       std::uint32_t camera,
+                       site_node::SilhouetteStage stage,
+                       const texture::TextureOptions& options,
+                       Writers writers)
+    : stage_(std::move(stage)), options_(options), writers_(std::move(writers)) {
+    message_.site = std::move(site);
+    message_.host = std::move(host);
+    message_.camera = camera;
+}
+
+Expected<CameraWork::Published> CameraWork::process(capture::CameraFrame& frame,
+                                                    std::uint64_t clock_epoch,
+                                                    const site_node::ColourCoding& coding,
+                                                    const std::function<void()>& on_silhouette) {
+    Published published;
+    const auto found = frame.is_lost() ? Expected<void>() : stage_.find(frame, {}, seen_);
+    if (frame.is_lost() || !found) {
+        const auto lost = publish_lost(frame.capture_time, clock_epoch);
+        if (!found) return tl::unexpected(found.error());
+        if (!lost) return tl::unexpected(lost.error());
+        published.silhouette_bytes = *lost;
+        return published;
+    }
+    ++message_.frame_id;
+    message_.capture_time = frame.capture_time;
+    const auto silhouette = publish_silhouette(clock_epoch);
+    if (!silhouette) return tl::unexpected(silhouette.error());
+    published.silhouette_bytes = *silhouette;
+    on_silhouette();
+    if (message_.has_texture) {
+        const auto texture = publish_texture(coding);
+        if (!texture) return tl::unexpected(texture.error());
+        published.texture_bytes = *texture;
+    }
+    frame.image = {};  // its memory may be a camera's
+    return published;
+}
+
+Expected<std::size_t> CameraWork::publish_lost(Timestamp capture_time, std::uint64_t clock_epoch) {
+    bus::CameraSilhouette lost;
+    lost.site = message_.site;
+    lost.host = message_.host;
+    lost.camera = message_.camera;
+    lost.capture_time = capture_time;
+    lost.clock_epoch = clock_epoch;
+    return writers_.silhouettes.write(lost);
+}
+
+Expected<std::size_t> CameraWork::publish_silhouette(std::uint64_t clock_epoch) {
+    message_.clock_epoch = clock_epoch;
+    message_.has_picture = true;
+    message_.has_texture = !seen_.contours.empty() && !seen_.subject.empty();
+    message_.is_view_shifted = seen_.view_shift_px.has_value();
+    if (seen_.view_shift_px)
+        message_.view_shift_px = {seen_.view_shift_px->x(), seen_.view_shift_px->y()};
+    message_.num_contours_dropped = seen_.counts.num_not_undistorted + seen_.counts.num_not_simple;
+    message_.segmentation_ms = seen_.segmentation_ms;
+    message_.polygons_ms = seen_.polygons_ms;
+    message_.contour_sizes.clear();
+    message_.vertices_px.clear();
+    for (const auto& contour : seen_.contours) {
+        message_.contour_sizes.push_back(static_cast<std::uint32_t>(contour.size()));
+        for (const Eigen::Vector2d& vertex : contour)
+            message_.vertices_px.push_back({vertex.x(), vertex.y()});
+    }
+    return writers_.silhouettes.write(message_);
+}
+
+Expected<std::size_t> CameraWork::publish_texture(const site_node::ColourCoding& coding) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto encoded = textures_.encode(seen_, options_, coding, coded_);
+    if (!encoded) return tl::unexpected(encoded.error());
+    if (!*encoded)
+        return make_error(ErrorKind::kInternal, "a picture with a silhouette has no texture");
+    bus::CameraTexture texture{message_.site,
+                               message_.camera,
+                               message_.frame_id,
+                               message_.capture_time,
+                               coded_.crop_px,
+                               std::move(coded_.texture.colour),
+                               std::move(coded_.texture.mask)};
+    message_.texture_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    message_.colour_bytes = static_cast<std::uint32_t>(texture.colour.size());
+    message_.mask_bytes = static_cast<std::uint32_t>(texture.mask.size());
+    const auto written = writers_.textures.write(texture);
+    coded_.texture = {std::move(texture.colour), std::move(texture.mask)};
+    return written;
+}
+
+}  // namespace atrium::camera_node

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/bus/bus.hpp"
+#include "core/bus/messages.hpp"
+#include "site_node/capture/metaframe.hpp"
+#include "site_node/texture_stage.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace atrium::camera_node {
+
+/// The work on the pictures of one camera: silhouette, then texture. Publishes both. Not
+/// thread-safe; cameras are independent.
+class CameraWork {
+public:
+    struct Writers {
+        bus::Writer<bus::CameraSilhouette> silhouettes;
+        bus::Writer<bus::CameraTexture> textures;
+    };
+
+    /// `camera`: index in the rig of the site.
+    CameraWork(std::string site,
+               std::string host,
+               std::uint32_t camera,
+               site_node::SilhouetteStage stage,
+               const texture::TextureOptions& options,
+               Writers writers);
+
+    struct Published {
+        std::size_t silhouette_bytes = 0;
+        std::size_t texture_bytes = 0;  // 0: nobody is there
+    };
+    /// Publishes what is in the picture; of a lost picture, that it is lost. `on_silhouette` is
+    /// called between the two. Afterwards `frame` has no picture.
+    Expected<Published> process(capture::CameraFrame& frame,
+                                std::uint64_t clock_epoch,
+                                const site_node::ColourCoding& coding,
+                                const std::function<void()>& on_silhouette);
+
+    /// Publishes that the picture of this time is lost.
+    Expected<std::size_t> publish_lost(Timestamp capture_time, std::uint64_t clock_epoch);
+
+private:
+    Expected<std::size_t> publish_silhouette(std::uint64_t clock_epoch);
+    Expected<std::size_t> publish_texture(const site_node::ColourCoding& coding);
+
+    site_node::SilhouetteStage stage_;
+    site_node::TextureStage textures_;
+    texture::TextureOptions options_;
+    Writers writers_;
+    site_node::PictureSilhouette seen_;
+    site_node::CodedCamera coded_;
+    bus::CameraSilhouette message_;
+};
+
+}  // namespace atrium::camera_node

@@ -1,0 +1,265 @@
+#include "site_node/hosts/host_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace atrium::hosts {
+namespace {
+
+using std::chrono::nanoseconds;
+
+// A host that is set back and forth must not fill the memory.
+constexpr std::size_t kMostEpochs = 4;
+constexpr std::size_t kDelays = 10;
+constexpr nanoseconds kShortestSilence = std::chrono::milliseconds(250);
+constexpr nanoseconds kLongestStart = std::chrono::seconds(3);
+constexpr nanoseconds kLongestMeasurement = std::chrono::seconds(1);
+constexpr nanoseconds kLongestDisorder = std::chrono::seconds(10);
+
+std::vector<std::vector<Eigen::Vector2d>> contours_of(const bus::CameraSilhouette& silhouette) {
+    std::vector<std::vector<Eigen::Vector2d>> contours;
+    auto vertex = silhouette.vertices_px.begin();
+    for (const std::uint32_t size : silhouette.contour_sizes) {
+        auto& contour = contours.emplace_back();
+        contour.reserve(size);
+        for (std::uint32_t i = 0; i < size; ++i, ++vertex)
+            contour.emplace_back((*vertex)[0], (*vertex)[1]);
+    }
+    return contours;
+}
+
+std::shared_ptr<const capture::FoundSilhouette> found_in(const bus::CameraSilhouette& silhouette) {
+    auto found = std::make_shared<capture::FoundSilhouette>();
+    found->contours_px = contours_of(silhouette);
+    found->has_texture = silhouette.has_texture;
+    found->texture_frame_id = silhouette.frame_id;
+    found->texture_time = silhouette.capture_time;
+    if (silhouette.is_view_shifted)
+        found->view_shift_px.emplace(silhouette.view_shift_px[0], silhouette.view_shift_px[1]);
+    found->num_contours_dropped = silhouette.num_contours_dropped;
+    found->segmentation_ms = silhouette.segmentation_ms;
+    found->polygons_ms = silhouette.polygons_ms;
+    found->texture_ms = silhouette.texture_ms;
+    found->colour_bytes = silhouette.colour_bytes;
+    found->mask_bytes = silhouette.mask_bytes;
+    return found;
+}
+
+}  // namespace
+
+HostTable::HostTable(std::vector<std::string> cameras,
+                     const std::vector<HostEntry>& hosts,
+                     const HostTableOptions& options)
+    : cameras_(std::move(cameras)), options_(options), owners_(cameras_.size()) {
+    for (const HostEntry& entry : hosts) {
+        if (entry.cameras.empty() && !entry.takes_any) continue;
+        Host& host = hosts_.emplace_back();
+        host.entry = entry;
+        for (const std::string& camera : entry.cameras) {
+            const auto found = std::ranges::find(cameras_, camera);
+            if (found != cameras_.end())
+                owners_[static_cast<std::size_t>(found - cameras_.begin())] = hosts_.size() - 1;
+        }
+    }
+}
+
+// The host on which the camera hangs. A camera that no host names belongs to the first one that
+// has it, until it is gone.
+HostTable::Host* HostTable::owner_of(const bus::CameraSilhouette& silhouette) {
+    if (silhouette.camera >= cameras_.size()) return nullptr;
+    auto& owner = owners_[silhouette.camera];
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+        if (hosts_[i].entry.name != silhouette.host) continue;
+        if (!owner && hosts_[i].entry.takes_any) owner = i;
+        return owner == i ? &hosts_[i] : nullptr;
+    }
+    return nullptr;
+}
+
+void HostTable::add(bus::CameraSilhouette silhouette,
+                    Timestamp now,
+                    Time arrival,
+                    std::vector<capture::CameraFrame>& out) {
+    Host* const host = owner_of(silhouette);
+    if (host == nullptr) {
+        if (!std::exchange(told_stranger_, true))
+            events_.push_back({true,
+                               fmt::format("host_unknown host={} camera={} reason=\"the site's "
+                                           "file gives this camera to another host\" advice=\"use "
+                                           "one file on all hosts of the site\"",
+                                           silhouette.host,
+                                           silhouette.camera)});
+        return;
+    }
+    host->last_heard = arrival;
+    host->epoch = silhouette.clock_epoch;
+    enter(*host, judge(*host, arrival), arrival);
+    const bool knows_clock =
+        host->state == bus::HostState::kInUse || host->state == bus::HostState::kLate;
+    const Timestamp time = silhouette.capture_time + -host->clock.offset;
+    if (!knows_clock || std::chrono::abs(now - time) > kLongestDisorder) {
+        ++host->num_left_out;
+        return;
+    }
+    host->delays.push_back(now - time);
+    if (host->delays.size() > kDelays) host->delays.pop_front();
+    capture::CameraFrame frame;
+    frame.camera = silhouette.camera;
+    frame.capture_time = time;
+    if (silhouette.has_picture) frame.found = found_in(silhouette);
+    out.push_back(std::move(frame));
+    for (std::size_t camera = 0; camera < cameras_.size(); ++camera) {
+        if (is_in_use(camera)) continue;
+        capture::CameraFrame lost;
+        lost.camera = camera;
+        lost.capture_time = time;
+        if (camera != silhouette.camera) out.push_back(std::move(lost));
+    }
+}
+
+void HostTable::add(const bus::ClockAnswer& answer, Timestamp returned, Time arrival) {
+    for (Host& host : hosts_) {
+        if (host.entry.name != answer.host) continue;
+        if (host.clocks.size() >= kMostEpochs && !host.clocks.contains(answer.clock_epoch)) {
+            auto clock = host.clocks.begin();
+            if (clock->first == host.epoch) ++clock;
+            host.clocks.erase(clock);
+        }
+        host.clocks[answer.clock_epoch].add(
+            {answer.asked, answer.received, answer.answered, returned}, arrival);
+    }
+}
+
+void HostTable::gone(std::uint32_t camera) {
+    if (camera >= cameras_.size() || !owners_[camera]) return;
+    Host& host = hosts_[*owners_[camera]];
+    if (host.entry.takes_any &&
+        std::ranges::find(host.entry.cameras, cameras_[camera]) == host.entry.cameras.end())
+        owners_[camera].reset();
+}
+
+void HostTable::forget_clocks() {
+    for (Host& host : hosts_) host.clocks.clear();
+}
+
+bus::HostState HostTable::judge(Host& host, Time now) const {
+    using State = bus::HostState;
+    const nanoseconds silence = std::max(5 * options_.period, kShortestSilence);
+    if (!host.last_heard || now - *host.last_heard > silence) return State::kMissing;
+    const auto clock = host.clocks.find(host.epoch);
+    const auto estimate = clock == host.clocks.end() ? std::nullopt : clock->second.estimate(now);
+    if (!estimate || estimate->error > options_.period / 8) return State::kClockUnknown;
+    host.clock = *estimate;
+    const nanoseconds quarter = options_.period / 4;
+    // near the limit it must not come and go
+    const nanoseconds limit = host.state == State::kClockWrong ? quarter * 4 / 5 : quarter;
+    if (std::chrono::abs(estimate->offset) > limit) return State::kClockWrong;
+    const auto is_late = [&](nanoseconds delay) { return delay > options_.deadline; };
+    if (host.delays.size() == kDelays) {
+        if (std::ranges::all_of(host.delays, is_late)) return State::kLate;
+        if (host.state == State::kLate && std::ranges::any_of(host.delays, is_late))
+            return State::kLate;
+    }
+    return State::kInUse;
+}
+
+std::string HostTable::names_of_cameras(const Host& host) const {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        if (owners_[i] && &hosts_[*owners_[i]] == &host) names.push_back(cameras_[i]);
+    }
+    return fmt::format("{}", fmt::join(names, " "));
+}
+
+std::string HostTable::why(const Host& host) const {
+    const double offset_ms = milliseconds(host.clock.offset);
+    switch (host.state) {
+        case bus::HostState::kClockWrong:
+            return fmt::format(
+                "reason=\"its clock is {:.1f} ms {} this host's, more than a quarter of the "
+                "period, {:.1f} ms\" advice=\"let chrony or PTP set both clocks: chronyc tracking "
+                "on both hosts, atrium doctor\"",
+                std::abs(offset_ms),
+                offset_ms > 0.0 ? "ahead of" : "behind",
+                milliseconds(options_.period) / 4.0);
+        case bus::HostState::kClockUnknown:
+            return "reason=\"its clock is not measured yet, or the network delays the measurement "
+                   "by more than a quarter of the period\"";
+        case bus::HostState::kLate:
+            return fmt::format(
+                "reason=\"its silhouettes come {:.0f} ms after their pictures, later than "
+                "capture.deadline_ms\" advice=\"atrium doctor on that host\"",
+                host.delays.empty() ? 0.0 : milliseconds(host.delays.back()));
+        default:
+            return "reason=\"nothing comes from it\" advice=\"is camera_node running there? is the "
+                   "network up?\"";
+    }
+}
+
+void HostTable::enter(Host& host, bus::HostState state, Time now) {
+    if (host.state != state || !host.since) {
+        host.state = state;
+        host.since = now;
+        host.was_told = false;
+        if (state == bus::HostState::kMissing) host.delays.clear();
+    }
+    tell(host, now);
+}
+
+// Tells of a state once. At the start a host may be missing for a while, and its clock is measured
+// within a second.
+void HostTable::tell(Host& host, Time now) {
+    using State = bus::HostState;
+    const bool is_start = host.state == State::kMissing && !host.was_in_use;
+    const nanoseconds patience = is_start                             ? kLongestStart
+                                 : host.state == State::kClockUnknown ? kLongestMeasurement
+                                                                      : nanoseconds(0);
+    if (host.was_told || now - *host.since < patience) return;
+    host.was_told = true;
+    if (host.state != State::kInUse) {
+        events_.push_back({true,
+                           fmt::format("host_left_out host={} cameras=\"{}\" {}",
+                                       host.entry.name,
+                                       names_of_cameras(host),
+                                       why(host))});
+        return;
+    }
+    host.was_in_use = true;
+    events_.push_back({false,
+                       fmt::format("host_in_use host={} cameras=\"{}\" clock_offset_ms={:.2f} "
+                                   "clock_error_ms={:.2f}",
+                                   host.entry.name,
+                                   names_of_cameras(host),
+                                   milliseconds(host.clock.offset),
+                                   milliseconds(host.clock.error))});
+}
+
+void HostTable::look(Time now) {
+    for (Host& host : hosts_) enter(host, judge(host, now), now);
+}
+
+std::vector<HostTable::Event> HostTable::take_events() { return std::exchange(events_, {}); }
+
+bool HostTable::is_in_use(std::size_t camera) const {
+    return owners_[camera] && hosts_[*owners_[camera]].state == bus::HostState::kInUse;
+}
+
+std::vector<bus::HostStatus> HostTable::statuses() const {
+    std::vector<bus::HostStatus> statuses;
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+        const Host& host = hosts_[i];
+        const auto num_cameras = std::ranges::count(owners_, std::optional<std::size_t>(i));
+        statuses.push_back({host.entry.name,
+                            host.state,
+                            milliseconds(host.clock.offset),
+                            milliseconds(host.clock.error),
+                            static_cast<std::uint32_t>(num_cameras),
+                            host.num_left_out});
+    }
+    return statuses;
+}
+
+}  // namespace atrium::hosts

@@ -1,0 +1,128 @@
+#include "site_node/hosts/site_hosts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+namespace atrium::hosts {
+namespace {
+
+template <typename... Arguments>
+tl::unexpected<Error> wrong(const std::string& place,
+                            fmt::format_string<Arguments...> text,
+                            Arguments&&... arguments) {
+    return make_error(
+        ErrorKind::kConfiguration,
+        place + ": host: " + fmt::format(text, std::forward<Arguments>(arguments)...));
+}
+
+std::vector<std::string> names_of(const std::vector<HostEntry>& hosts) {
+    std::vector<std::string> names;
+    for (const HostEntry& host : hosts) names.push_back(host.name);
+    return names;
+}
+
+}  // namespace
+
+void read_hosts(config::TableReader& reader, std::vector<HostEntry>& hosts) {
+    for (config::TableReader& table : reader.tables("host")) {
+        HostEntry host;
+        host.place = table.where("name");
+        table.require("name");
+        table.read("name", host.name);
+        if (!config::is_valid_name(host.name))
+            table.reject("name", "must be 1 to 63 characters of A-Z a-z 0-9 _ . -");
+        if (table.has_array("cameras")) {
+            table.read("cameras", host.cameras);
+        } else {
+            std::string which;
+            table.read("cameras", which, {"auto"});
+            host.takes_any = which == "auto";
+        }
+        table.read("model", host.is_model);
+        if (!host.is_model && !host.takes_any && host.cameras.empty())
+            table.reject("cameras",
+                         "must name cameras of the rig, or be \"auto\": a host without cameras and "
+                         "without model = true has nothing to do");
+        hosts.push_back(std::move(host));
+    }
+}
+
+Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
+                           const config::Rig& rig,
+                           const std::string& site) {
+    std::map<std::string, std::string> host_of_camera;
+    std::map<std::string, int> num_named;
+    const HostEntry* model = nullptr;
+    bool takes_any = false;
+    for (const HostEntry& host : hosts) {
+        if (++num_named[host.name] > 1) return wrong(host.place, "two are named '{}'", host.name);
+        if (!config::is_valid_name(camera_node_name(site, host.name)))
+            return wrong(
+                host.place, "'{}' with the site's name must have at most 62 characters", host.name);
+        if (host.is_model && model != nullptr)
+            return wrong(host.place,
+                         "'{}' and '{}' both have model = true; one host computes the hull",
+                         model->name,
+                         host.name);
+        if (host.is_model) model = &host;
+        takes_any |= host.takes_any;
+        for (const std::string& camera : host.cameras) {
+            if (std::ranges::find(rig.cameras, camera, &geometry::CalibratedCamera::name) ==
+                rig.cameras.end()) {
+                std::vector<std::string> names;
+                for (const auto& each : rig.cameras) names.push_back(each.name);
+                return wrong(host.place,
+                             "'{}' has camera '{}', which the rig lacks; it has {}",
+                             host.name,
+                             camera,
+                             fmt::join(names, ", "));
+            }
+            const auto [former, is_new] = host_of_camera.emplace(camera, host.name);
+            if (!is_new)
+                return wrong(host.place,
+                             "camera '{}' hangs on '{}' and on '{}'",
+                             camera,
+                             former->second,
+                             host.name);
+        }
+    }
+    if (model == nullptr)
+        return wrong(hosts.front().place, "none has model = true: which one computes the hull?");
+    for (const geometry::CalibratedCamera& camera : rig.cameras) {
+        if (!takes_any && !host_of_camera.contains(camera.name))
+            return wrong(hosts.front().place, "camera '{}' hangs on none", camera.name);
+    }
+    return {};
+}
+
+Expected<HostEntry> find_host(const std::vector<HostEntry>& hosts, const std::string& name) {
+    const auto found = std::ranges::find(hosts, name, &HostEntry::name);
+    if (found != hosts.end()) return *found;
+    return make_error(
+        ErrorKind::kConfiguration,
+        fmt::format("this host, '{}', is none of the site's: {}; --host names another",
+                    name,
+                    fmt::join(names_of(hosts), ", ")));
+}
+
+std::vector<std::string> cameras_of(const HostEntry& host,
+                                    const std::vector<HostEntry>& hosts,
+                                    const config::Rig& rig) {
+    if (!host.takes_any) return host.cameras;
+    std::vector<std::string> free;
+    for (const geometry::CalibratedCamera& camera : rig.cameras) {
+        const bool is_taken = std::ranges::any_of(hosts, [&](const HostEntry& other) {
+            return std::ranges::find(other.cameras, camera.name) != other.cameras.end();
+        });
+        if (!is_taken) free.push_back(camera.name);
+    }
+    return free;
+}
+
+std::string camera_node_name(const std::string& site, const std::string& host) {
+    return site + "." + host;
+}
+
+}  // namespace atrium::hosts

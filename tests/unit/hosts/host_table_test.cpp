@@ -1,0 +1,196 @@
+#include "site_node/hosts/host_table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace atrium::hosts {
+namespace {
+
+using bus::HostState;
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr nanoseconds kPeriod{33'333'333};
+
+HostEntry host(const std::string& name, std::vector<std::string> cameras, bool takes_any = false) {
+    return {name, std::move(cameras), takes_any, false, "site.toml:1"};
+}
+
+class HostTableTest : public testing::Test {
+protected:
+    // The clock of `name` is `offset` ahead; question and answer take 0.2 ms each.
+    void ask(const std::string& name, nanoseconds offset, std::uint64_t epoch = 1) {
+        bus::ClockAnswer answer;
+        answer.host = name;
+        answer.asked = now_;
+        answer.received = answer.answered = now_ + nanoseconds(200'000) + offset;
+        answer.clock_epoch = epoch;
+        pass(nanoseconds(400'000));
+        table_.add(answer, now_, steady_);
+    }
+    std::vector<capture::CameraFrame> see(const std::string& name,
+                                          std::uint32_t camera,
+                                          nanoseconds offset = nanoseconds(0),
+                                          nanoseconds delay = milliseconds(4),
+                                          std::uint64_t epoch = 1) {
+        bus::CameraSilhouette silhouette;
+        silhouette.host = name;
+        silhouette.camera = camera;
+        silhouette.capture_time = now_ + -delay + offset;
+        silhouette.clock_epoch = epoch;
+        silhouette.has_picture = true;
+        silhouette.contour_sizes = {3};
+        silhouette.vertices_px = {{1, 2}, {3, 4}, {5, 6.25}};
+        std::vector<capture::CameraFrame> frames;
+        table_.add(silhouette, now_, steady_, frames);
+        return frames;
+    }
+    void pass(nanoseconds time) {
+        now_ = now_ + time;
+        steady_ += time;
+    }
+    HostState state(std::size_t index) { return table_.statuses()[index].state; }
+    std::string events() {
+        std::string lines;
+        for (const auto& event : table_.take_events()) lines += event.line + "\n";
+        return lines;
+    }
+
+    Timestamp now_{1'700'000'000'000'000'000};
+    HostTable::Time steady_{std::chrono::hours(1)};
+    HostTable table_{{"a", "b", "c", "d"},
+                     {host("left", {"a", "b"}), host("right", {"c"}), host("hall", {}, true)},
+                     {kPeriod, milliseconds(100)}};
+};
+
+TEST_F(HostTableTest, UsesAHostOnceItsClockIsKnownAndCorrectsItsTimes) {
+    EXPECT_TRUE(see("left", 0).empty());
+    EXPECT_EQ(state(0), HostState::kClockUnknown);
+    EXPECT_EQ(events(), "");
+    ask("left", milliseconds(5));
+    const auto frames = see("left", 1, milliseconds(5));
+    ASSERT_EQ(state(0), HostState::kInUse);
+    EXPECT_THAT(events(), HasSubstr("host_in_use host=left cameras=\"a b\" clock_offset_ms=5.00"));
+    ASSERT_FALSE(frames.empty());
+    EXPECT_EQ(frames[0].camera, 1u);
+    EXPECT_LE(std::chrono::abs(frames[0].capture_time - (now_ + -milliseconds(4))),
+              nanoseconds(200'100));
+    ASSERT_NE(frames[0].found, nullptr);
+    ASSERT_EQ(frames[0].found->contours_px.size(), 1u);
+    EXPECT_EQ(frames[0].found->contours_px[0][2], Eigen::Vector2d(5, 6.25));
+    EXPECT_EQ(table_.statuses()[0].num_left_out, 1u);
+}
+
+TEST_F(HostTableTest, ReportsThePicturesOfMissingHostsAsLost) {
+    ask("left", nanoseconds(0));
+    const auto frames = see("left", 0);
+    std::vector<std::size_t> lost;
+    for (const auto& frame : frames) {
+        if (!frame.is_lost()) continue;
+        lost.push_back(frame.camera);
+        EXPECT_EQ(frame.capture_time, frames[0].capture_time);
+    }
+    EXPECT_THAT(lost, ElementsAre(2u, 3u));
+}
+
+TEST_F(HostTableTest, NamesAWrongClockAndTakesTheHostBackWhenItIsRight) {
+    ask("left", milliseconds(20));
+    EXPECT_TRUE(see("left", 0, milliseconds(20)).empty());
+    EXPECT_EQ(state(0), HostState::kClockWrong);
+    EXPECT_THAT(events(),
+                HasSubstr("host_left_out host=left cameras=\"a b\" reason=\"its clock is "
+                          "20.0 ms ahead of this host's, more than a quarter of the "
+                          "period, 8.3 ms\""));
+    EXPECT_NEAR(table_.statuses()[0].clock_offset_ms, 20.0, 0.2);
+    see("left", 0, milliseconds(20));
+    EXPECT_EQ(events(), "") << "told once";
+    // set right: another epoch, which is measured first
+    EXPECT_TRUE(see("left", 0, nanoseconds(0), milliseconds(4), 2).empty());
+    ask("left", nanoseconds(0), 2);
+    EXPECT_FALSE(see("left", 0, nanoseconds(0), milliseconds(4), 2).empty());
+    EXPECT_EQ(state(0), HostState::kInUse);
+}
+
+TEST_F(HostTableTest, AClockNearTheLimitDoesNotComeAndGo) {
+    ask("left", nanoseconds(8'400'000));
+    see("left", 0, nanoseconds(8'400'000));
+    EXPECT_EQ(state(0), HostState::kClockWrong);
+    pass(std::chrono::seconds(6));
+    ask("left", nanoseconds(8'200'000));
+    see("left", 0, nanoseconds(8'200'000));
+    EXPECT_EQ(state(0), HostState::kClockWrong);
+}
+
+TEST_F(HostTableTest, ASilentHostIsMissingAfterAQuarterSecond) {
+    ask("left", nanoseconds(0));
+    see("left", 0);
+    events();
+    pass(milliseconds(240));
+    table_.look(steady_);
+    EXPECT_EQ(state(0), HostState::kInUse);
+    pass(milliseconds(20));
+    table_.look(steady_);
+    EXPECT_EQ(state(0), HostState::kMissing);
+    EXPECT_THAT(events(), HasSubstr("host_left_out host=left"));
+    see("left", 0);
+    EXPECT_EQ(state(0), HostState::kInUse);
+    EXPECT_THAT(events(), HasSubstr("host_in_use host=left"));
+}
+
+TEST_F(HostTableTest, TellsOfHostsThatNeverComeAfterAWhile) {
+    table_.look(steady_);
+    pass(milliseconds(2900));
+    table_.look(steady_);
+    EXPECT_EQ(events(), "");
+    pass(milliseconds(200));
+    table_.look(steady_);
+    EXPECT_THAT(events(),
+                HasSubstr("host_left_out host=right cameras=\"c\" reason=\"nothing comes"));
+}
+
+TEST_F(HostTableTest, LeavesOutAHostWhoseSilhouettesComeTooLate) {
+    ask("left", nanoseconds(0));
+    for (int i = 0; i < 10; ++i) see("left", 0, nanoseconds(0), milliseconds(130));
+    EXPECT_EQ(see("left", 0, nanoseconds(0), milliseconds(130)).front().camera, 0u);
+    EXPECT_EQ(state(0), HostState::kLate);
+    EXPECT_THAT(events(), HasSubstr("come 130 ms after their pictures"));
+    for (int i = 0; i < 11; ++i) see("left", 0);
+    EXPECT_EQ(state(0), HostState::kInUse);
+}
+
+TEST_F(HostTableTest, RefusesACameraOfAnotherHostAndOneThatDoesNotExist) {
+    ask("left", nanoseconds(0));
+    ask("right", nanoseconds(0));
+    EXPECT_TRUE(see("right", 0).empty());
+    EXPECT_THAT(events(), HasSubstr("host_unknown host=right camera=0"));
+    EXPECT_TRUE(see("right", 77).empty());
+    EXPECT_TRUE(see("stranger", 0).empty());
+    EXPECT_EQ(events(), "") << "told once";
+}
+
+TEST_F(HostTableTest, AFreeCameraBelongsToTheHostThatHasItUntilItIsGone) {
+    ask("hall", nanoseconds(0));
+    EXPECT_FALSE(see("hall", 3).empty());
+    EXPECT_EQ(table_.statuses()[2].num_cameras, 1u);
+    table_.gone(3);
+    EXPECT_EQ(table_.statuses()[2].num_cameras, 0u);
+    table_.gone(0);  // a named one stays
+    EXPECT_EQ(table_.statuses()[0].num_cameras, 2u);
+}
+
+TEST_F(HostTableTest, WhenItsOwnClockIsSetItMeasuresAnew) {
+    ask("left", nanoseconds(0));
+    EXPECT_FALSE(see("left", 0).empty());
+    table_.forget_clocks();
+    EXPECT_TRUE(see("left", 0).empty());
+    EXPECT_EQ(state(0), HostState::kClockUnknown);
+    ask("left", milliseconds(3));
+    EXPECT_FALSE(see("left", 0, milliseconds(3)).empty());
+}
+
+}  // namespace
+}  // namespace atrium::hosts

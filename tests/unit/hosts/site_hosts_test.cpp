@@ -1,0 +1,98 @@
+#include "site_node/hosts/site_hosts.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::hosts {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+config::Rig rig_of(std::size_t num_cameras) {
+    config::Rig rig;
+    for (std::size_t i = 0; i < num_cameras; ++i)
+        rig.cameras.emplace_back().name = "cam" + std::to_string(i);
+    return rig;
+}
+
+Expected<std::vector<HostEntry>> read(const std::string& text) {
+    auto reader = config::TableReader::parse(text, "site.toml");
+    if (!reader) return tl::unexpected(reader.error());
+    std::vector<HostEntry> hosts;
+    read_hosts(*reader, hosts);
+    if (auto done = reader->finish(); !done) return tl::unexpected(done.error());
+    return hosts;
+}
+
+std::string problem(const std::string& text, const std::string& site = "hall") {
+    const auto hosts = read(text);
+    if (!hosts) return hosts.error().message;
+    const auto checked = check_hosts(*hosts, rig_of(4), site);
+    return checked ? "" : checked.error().message;
+}
+
+constexpr const char* kGood = R"(
+[[host]]
+name = "left"
+cameras = ["cam0", "cam1"]
+[[host]]
+name = "right"
+cameras = ["cam2", "cam3"]
+[[host]]
+name = "hull"
+model = true
+)";
+
+TEST(SiteHosts, ReadsWhichCamerasHangWhere) {
+    const auto hosts = read(kGood);
+    ASSERT_TRUE(hosts) << hosts.error().message;
+    EXPECT_EQ(problem(kGood), "");
+    EXPECT_THAT(find_host(*hosts, "left")->cameras, ElementsAre("cam0", "cam1"));
+    EXPECT_FALSE(find_host(*hosts, "left")->is_model);
+    EXPECT_TRUE(find_host(*hosts, "hull")->is_model);
+    EXPECT_THAT(find_host(*hosts, "attic").error().message,
+                HasSubstr("this host, 'attic', is none of the site's: left, right, hull"));
+    EXPECT_EQ(camera_node_name("hall", "left"), "hall.left");
+}
+
+TEST(SiteHosts, AutoTakesTheCamerasThatNoOtherHostNames) {
+    const auto hosts = read(R"(
+[[host]]
+name = "left"
+cameras = ["cam2"]
+[[host]]
+name = "right"
+cameras = "auto"
+model = true
+)");
+    ASSERT_TRUE(hosts) << hosts.error().message;
+    EXPECT_TRUE(check_hosts(*hosts, rig_of(4), "hall"));
+    EXPECT_THAT(cameras_of((*hosts)[0], *hosts, rig_of(4)), ElementsAre("cam2"));
+    EXPECT_THAT(cameras_of((*hosts)[1], *hosts, rig_of(4)), ElementsAre("cam0", "cam1", "cam3"));
+}
+
+TEST(SiteHosts, NamesWhatIsWrongAndWhere) {
+    const std::string left = "[[host]]\nname = \"left\"\ncameras = ";
+    const std::string model = "\n[[host]]\nname = \"hull\"\nmodel = true\n";
+    EXPECT_THAT(problem("[[host]]\ncameras = \"auto\"\n"), HasSubstr("name"));
+    EXPECT_THAT(problem("[[host]]\nname = \"a b\"\ncameras = \"auto\"\n"),
+                HasSubstr("must be 1 to 63 characters"));
+    EXPECT_THAT(problem("[[host]]\nname = \"a\"\n"), HasSubstr("has nothing to do"));
+    EXPECT_THAT(problem(left + "\"any\"" + model), HasSubstr("auto"));
+    EXPECT_THAT(problem(left + "[\"cam0\"]" + model),
+                HasSubstr("site.toml:2: host: camera 'cam1' hangs on none"));
+    EXPECT_THAT(problem(left + "[\"cam0\", \"cam9\"]" + model),
+                HasSubstr("'left' has camera 'cam9', which the rig lacks; it has cam0, cam1"));
+    EXPECT_THAT(problem(left + "[\"cam0\", \"cam0\"]" + model),
+                HasSubstr("camera 'cam0' hangs on 'left' and on 'left'"));
+    EXPECT_THAT(problem(left + "\"auto\"\n"), HasSubstr("none has model = true"));
+    EXPECT_THAT(problem(left + "\"auto\"" + model + model), HasSubstr("two are named 'hull'"));
+    EXPECT_THAT(problem(left + "\"auto\"\nmodel = true" + model), HasSubstr("both have model"));
+    EXPECT_THAT(problem(left + "\"auto\"" + model, std::string(60, 's')),
+                HasSubstr("must have at most 62 characters"));
+    EXPECT_THAT(problem(left + "\"auto\"\nmodle = true"), HasSubstr("model"));
+}
+
+}  // namespace
+}  // namespace atrium::hosts
