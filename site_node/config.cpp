@@ -181,9 +181,10 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "silhouettes, for `calibrate refine`; empty: none");
 
     set.add(
-        "host",
+        "site.host",
         config.host,
         "of a site on several hosts, [[host]]: the name of this one; empty: that of the system");
+    set.add_alias("host");
 
     set.add(
         "preview",
