@@ -61,6 +61,7 @@ void fields(auto& v, Of<CameraNodeStatus> auto& m, auto& w) {
     v(m.num_dropped_late, w.num_dropped_late);
     v(m.num_failed, w.num_failed);
     v(m.num_bytes_published, w.num_bytes_published);
+    v("CameraNodeStatus.silhouettes_per_s", m.silhouettes_per_s, w.silhouettes_per_s, kStatistic);
     v("CameraNodeStatus.bytes_per_s",
       m.silhouette_bytes_per_s,
       w.silhouette_bytes_per_s,

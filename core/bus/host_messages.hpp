@@ -68,6 +68,7 @@ struct CameraNodeStatus {
     std::uint64_t num_dropped_late = 0;  // pictures replaced by a newer one before their turn
     std::uint64_t num_failed = 0;
     std::uint64_t num_bytes_published = 0;
+    double silhouettes_per_s = 0.0;  // of all cameras
     double silhouette_bytes_per_s = 0.0;
     double texture_bytes_per_s = 0.0;
     LatencySummary capture_to_silhouette;

@@ -35,4 +35,23 @@ bool is_valid_line(std::string_view text) {
            std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
 }
 
+std::string camera_node_name(const std::string& site, const std::string& host) {
+    return site + "." + host;
+}
+
+const char* kind_name(ProgramKind kind) {
+    switch (kind) {
+        case ProgramKind::kSiteNode:
+            return "site";
+        case ProgramKind::kWorldServer:
+            return "world server";
+        case ProgramKind::kViewer:
+            return "viewer";
+        case ProgramKind::kCameraNode:
+            return "camera node";
+        default:
+            return "program";
+    }
+}
+
 }  // namespace atrium::bus

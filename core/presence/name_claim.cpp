@@ -1,5 +1,7 @@
 #include "core/presence/name_claim.hpp"
 
+#include "core/bus/names.hpp"
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -76,10 +78,9 @@ bool NameClaim::should_ask(Clock::time_point now) {
 bool NameClaim::take_question() { return std::exchange(was_asked_, false); }
 
 std::string describe(const Presence& presence) {
-    constexpr const char* kKinds[] = {"site", "world server", "viewer", "program"};
     const std::time_t start = presence.start_time.ns / 1'000'000'000;
     return fmt::format("{} '{}' on host {}, pid {}, since {:%Y-%m-%dT%H:%M:%S}Z",
-                       kKinds[static_cast<std::size_t>(presence.kind)],
+                       bus::kind_name(presence.kind),
                        presence.name,
                        presence.host,
                        presence.pid,

@@ -17,8 +17,9 @@ struct Late {
     bool done_includes_lost;
     const char* text;
 };
-constexpr std::array<Late, 2> kLate{{
+constexpr std::array<Late, 3> kLate{{
     {"dropped_late", "metaframes_captured", true, "metaframes came too late for work"},
+    {"dropped_late", "pictures", true, "pictures came too late for work"},
     {"skipped_ticks", "steps", false, "steps were skipped"},
 }};
 
@@ -156,12 +157,13 @@ std::string advice(Cause cause, bus::ProgramKind kind, double share_of_host) {
         return "other programs use most of this host's cores: see top, and end some of them or "
                "give them a lower priority (nice)";
     std::string less = "give it less to do";
-    if (kind == bus::ProgramKind::kSiteNode)
+    if (kind == bus::ProgramKind::kSiteNode || kind == bus::ProgramKind::kCameraNode)
         less = "lower capture.rate_hz, or use fewer or smaller pictures";
     if (kind == bus::ProgramKind::kWorldServer) less = "lower world.tick_hz, or use fewer objects";
     if (kind == bus::ProgramKind::kViewer)
         less = "make the picture smaller (view.width, view.height), or lower view.max_fps";
-    if (cause == Cause::kWork && kind == bus::ProgramKind::kSiteNode)
+    if (cause == Cause::kWork &&
+        (kind == bus::ProgramKind::kSiteNode || kind == bus::ProgramKind::kCameraNode))
         return less + " or more site.threads";
     return cause == Cause::kWork ? less : "run fewer programs on this host, " + less;
 }

@@ -51,6 +51,36 @@ Figures::Alarm alarm_of(const std::string& camera,
             fault.cure};
 }
 
+// "left in use 0.02 ms", "right clock wrong 20.13 ms", "hall missing".
+std::string text_of(const bus::HostStatus& host) {
+    const bool has_clock =
+        host.state != bus::HostState::kMissing && host.state != bus::HostState::kClockUnknown;
+    const std::string clock = has_clock ? fmt::format(" {:.2f} ms", host.clock_offset_ms) : "";
+    return fmt::format("{} {}{}", host.name, spaced(name_of(host.state)), clock);
+}
+
+Figures::Alarm alarm_of(const bus::HostStatus& host) {
+    const std::string what = fmt::format("host {} is left out", host.name);
+    switch (host.state) {
+        case bus::HostState::kClockWrong:
+            return {fmt::format("{}: its clock is off by {:.1f} ms", what, host.clock_offset_ms),
+                    "atrium doctor there",
+                    "let chrony or PTP set the clocks of all hosts of the site: chronyc tracking"};
+        case bus::HostState::kClockUnknown:
+            return {what + ": its clock is not known",
+                    "atrium doctor there",
+                    "the network delays the measurement of its clock, or it just came"};
+        case bus::HostState::kLate:
+            return {what + ": its silhouettes come too late",
+                    "atrium doctor there",
+                    "its processor or its network is too slow: atrium doctor on that host"};
+        default:
+            return {what + ": nothing comes from it",
+                    "is camera_node running there?",
+                    "start camera_node on that host, and check its network"};
+    }
+}
+
 // The part that all statuses have.
 template <typename Status>
 Figures process_figures(const Status& status, const char* rate_unit, double rate) {
@@ -117,6 +147,12 @@ Figures figures_of(const bus::SiteStatus& status) {
              "stabilisation)",
              "calibrate refine --focal",
              rig.fault.cure});
+    std::string hosts;
+    for (const bus::HostStatus& host : status.hosts) {
+        hosts += (hosts.empty() ? "" : ", ") + text_of(host);
+        if (host.state != bus::HostState::kInUse) figures.alarms.push_back(alarm_of(host));
+    }
+    if (!hosts.empty()) figures.notes.push_back({"hosts", hosts});
     // "door and desk look swapped: exchange their pictures"
     if (!status.finding.empty())
         figures.alarms.push_back({status.finding.substr(0, status.finding.find(": ")),
@@ -172,6 +208,22 @@ Figures figures_of(const bus::ViewerStatus& status) {
     return figures;
 }
 
+Figures figures_of(const bus::CameraNodeStatus& status) {
+    Figures figures = process_figures(status, "silhouettes/s", status.silhouettes_per_s);
+    figures.work = {{"pictures", status.num_pictures},
+                    {"silhouettes", status.num_silhouettes},
+                    {"textures", status.num_textures},
+                    {"bytes_published", status.num_bytes_published}};
+    figures.losses = {{"dropped_late", status.num_dropped_late, kAlarming},
+                      {"failed", status.num_failed, kAlarming}};
+    figures.stages = {{"capture_to_silhouette", status.capture_to_silhouette}};
+    figures.topics = {{"CameraSilhouette", status.silhouette_bytes_per_s},
+                      {"CameraTexture", status.texture_bytes_per_s}};
+    for (const bus::CameraStatus& camera : status.cameras)
+        figures.cameras.push_back(figures_of(camera));
+    return figures;
+}
+
 std::string spaced(std::string name) {
     std::replace(name.begin(), name.end(), '_', ' ');
     return name;
@@ -179,6 +231,21 @@ std::string spaced(std::string name) {
 
 std::string rate_text(double rate, const std::string& unit) {
     return fmt::format("{:.1f} {}", rate, unit);
+}
+
+const char* name_of(bus::HostState state) {
+    switch (state) {
+        case bus::HostState::kInUse:
+            return "in_use";
+        case bus::HostState::kClockUnknown:
+            return "clock_unknown";
+        case bus::HostState::kClockWrong:
+            return "clock_wrong";
+        case bus::HostState::kLate:
+            return "too_late";
+        default:
+            return "missing";
+    }
 }
 
 const char* name_of(bus::RigVerdict verdict) {

@@ -67,12 +67,15 @@ struct Figures {
 Figures figures_of(const bus::SiteStatus& status);
 Figures figures_of(const bus::WorldStatus& status);
 Figures figures_of(const bus::ViewerStatus& status);
+Figures figures_of(const bus::CameraNodeStatus& status);
 
 /// The name of a figure for people: "dropped late" for "dropped_late".
 std::string spaced(std::string name);
 /// "29.9 metaframes/s".
 std::string rate_text(double rate, const std::string& unit);
 
+/// "in_use", "clock_wrong".
+const char* name_of(bus::HostState state);
 /// "coherent", "moved".
 const char* name_of(bus::RigVerdict verdict);
 /// "coherent", "0.42 px", "worst north 0.61 px", "48 instants". Empty if nothing is known.

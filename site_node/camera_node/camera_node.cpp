@@ -184,8 +184,10 @@ void CameraNode::answer(const bus::SiteOrders& orders, Timestamp received, std::
 void CameraNode::report_status(std::stop_token stop) {
     std::mutex mutex;
     std::condition_variable_any wake;
+    RateMeter rate;
     RateMeter silhouette_rate;
     RateMeter texture_rate;
+    atrium::status::OverloadLog overload(bus::ProgramKind::kCameraNode);
     const auto begin = Clock::now();
     const auto end = begin + std::chrono::duration_cast<Clock::duration>(
                                  std::chrono::duration<double>(config_.seconds));
@@ -195,14 +197,18 @@ void CameraNode::report_status(std::stop_token stop) {
         std::unique_lock lock(mutex);
         wake.wait_until(lock, stop, until, [] { return false; });
         if (config_.seconds > 0.0 && Clock::now() >= end) run_control_->finish({});
+        silhouettes_per_s_ = rate.update(num_silhouettes_, Clock::now());
         silhouette_bytes_per_s_ = silhouette_rate.update(num_silhouette_bytes_, Clock::now());
         texture_bytes_per_s_ = texture_rate.update(num_texture_bytes_, Clock::now());
         {
             const std::lock_guard processor_lock(processor_mutex_);
             processor_ = processor_meter_.update();
         }
-        if (const auto written = bus_.status.write(status()); !written)
+        const bus::CameraNodeStatus now = status();
+        if (const auto written = bus_.status.write(now); !written)
             complaints_.warn(written.error().message);
+        if (const auto line = overload.look(atrium::status::figures_of(now), Clock::now()))
+            app::log::warn("{}", *line);
     }
 }
 
@@ -216,6 +222,7 @@ bus::CameraNodeStatus CameraNode::status() const {
     status.num_textures = num_textures_;
     status.num_dropped_late = num_dropped_;
     status.num_failed = num_failed_;
+    status.silhouettes_per_s = silhouettes_per_s_;
     status.num_bytes_published = num_silhouette_bytes_ + num_texture_bytes_;
     status.silhouette_bytes_per_s = silhouette_bytes_per_s_;
     status.texture_bytes_per_s = texture_bytes_per_s_;

@@ -87,6 +87,7 @@ private:
     std::atomic<std::uint64_t> num_failed_{0};
     std::atomic<std::uint64_t> num_silhouette_bytes_{0};
     std::atomic<std::uint64_t> num_texture_bytes_{0};
+    std::atomic<double> silhouettes_per_s_{0.0};
     std::atomic<double> silhouette_bytes_per_s_{0.0};
     std::atomic<double> texture_bytes_per_s_{0.0};
     std::atomic<double> first_output_s_{0.0};

@@ -1,3 +1,4 @@
+#include "core/bus/names.hpp"
 #include "core/presence/join_world.hpp"
 #include "site_node/camera_node/camera_node.hpp"
 #include "site_node/source/open_source.hpp"
@@ -86,7 +87,7 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
     auto member = presence::join_world(
         *participant,
         bus::ProgramKind::kCameraNode,
-        hosts::camera_node_name(config.name, name),
+        bus::camera_node_name(config.name, name),
         [run_control](const Error& lost) { run_control->lose_name(lost); },
         stop);
     if (!member) return tl::unexpected(member.error());

@@ -1,5 +1,7 @@
 #include "site_node/hosts/site_hosts.hpp"
 
+#include "core/bus/names.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -58,7 +60,7 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
     bool takes_any = false;
     for (const HostEntry& host : hosts) {
         if (++num_named[host.name] > 1) return wrong(host.place, "two are named '{}'", host.name);
-        if (!config::is_valid_name(camera_node_name(site, host.name)))
+        if (!config::is_valid_name(bus::camera_node_name(site, host.name)))
             return wrong(
                 host.place, "'{}' with the site's name must have at most 62 characters", host.name);
         if (host.is_model && model != nullptr)
@@ -119,10 +121,6 @@ std::vector<std::string> cameras_of(const HostEntry& host,
         if (!is_taken) free.push_back(camera.name);
     }
     return free;
-}
-
-std::string camera_node_name(const std::string& site, const std::string& host) {
-    return site + "." + host;
 }
 
 }  // namespace atrium::hosts

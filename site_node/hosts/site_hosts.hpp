@@ -35,7 +35,4 @@ std::vector<std::string> cameras_of(const HostEntry& host,
                                     const std::vector<HostEntry>& hosts,
                                     const config::Rig& rig);
 
-/// The name of a camera node in its world: "SITE.HOST".
-std::string camera_node_name(const std::string& site, const std::string& host);
-
 }  // namespace atrium::hosts

@@ -77,7 +77,9 @@ std::string broken_promise(const bus::ClockAnswer& /*message*/) { return ""; }
 
 std::string broken_promise(const bus::CameraNodeStatus& message) {
     if (message.cameras.size() > message.camera_indices.size()) return "too many cameras";
-    if (message.silhouette_bytes_per_s < 0.0 || message.texture_bytes_per_s < 0.0) return "a rate";
+    if (message.silhouettes_per_s < 0.0 || message.silhouette_bytes_per_s < 0.0 ||
+        message.texture_bytes_per_s < 0.0)
+        return "a rate";
     return broken_by_process(message.processor, message.first_output_s);
 }
 

@@ -1,5 +1,7 @@
 #include "tools/monitor/inbox.hpp"
 
+#include "core/bus/names.hpp"
+
 #include <utility>
 
 namespace atrium::monitor {
@@ -22,6 +24,7 @@ Inbox::Inbox(bus::Participant participant,
              bus::Reader<bus::SiteStatus> sites,
              bus::Reader<bus::WorldStatus> worlds,
              bus::Reader<bus::ViewerStatus> viewers,
+             bus::Reader<bus::CameraNodeStatus> camera_nodes,
              bus::Reader<bus::StreamFeedback> feedback)
     : participant_(std::move(participant)),
       waiter_(std::move(waiter)),
@@ -29,11 +32,13 @@ Inbox::Inbox(bus::Participant participant,
       sites_(std::move(sites)),
       worlds_(std::move(worlds)),
       viewers_(std::move(viewers)),
+      camera_nodes_(std::move(camera_nodes)),
       feedback_(std::move(feedback)) {
     waiter_.add(presences_);
     waiter_.add(sites_);
     waiter_.add(worlds_);
     waiter_.add(viewers_);
+    waiter_.add(camera_nodes_);
     waiter_.add(feedback_);
 }
 
@@ -45,8 +50,10 @@ Expected<Inbox> Inbox::create(const bus::BusOptions& options, bool measure) {
     auto sites = bus::Reader<bus::SiteStatus>::create(*participant);
     auto worlds = bus::Reader<bus::WorldStatus>::create(*participant);
     auto viewers = bus::Reader<bus::ViewerStatus>::create(*participant);
+    auto camera_nodes = bus::Reader<bus::CameraNodeStatus>::create(*participant);
     auto feedback = bus::Reader<bus::StreamFeedback>::create(*participant);
-    const Error* error = first_error(waiter, presences, sites, worlds, viewers, feedback);
+    const Error* error =
+        first_error(waiter, presences, sites, worlds, viewers, camera_nodes, feedback);
     if (error != nullptr) return tl::unexpected(*error);
     Inbox inbox(std::move(*participant),
                 std::move(*waiter),
@@ -54,6 +61,7 @@ Expected<Inbox> Inbox::create(const bus::BusOptions& options, bool measure) {
                 std::move(*sites),
                 std::move(*worlds),
                 std::move(*viewers),
+                std::move(*camera_nodes),
                 std::move(*feedback));
     if (measure) {
         if (auto subscribed = inbox.subscribe_to_streams(); !subscribed)
@@ -93,6 +101,13 @@ void Inbox::take(WorldModel& model) {
                                  [&](const bus::ViewerStatus& key, bus::Ending how) {
                                      model.status_gone(ProgramKind::kViewer, key.viewer, how, now);
                                  }),
+                   now);
+    const auto node_gone = [&](const bus::CameraNodeStatus& key, bus::Ending how) {
+        model.status_gone(
+            ProgramKind::kCameraNode, bus::camera_node_name(key.site, key.host), how, now);
+    };
+    model.rejected(camera_nodes_.take(
+                       [&](bus::CameraNodeStatus&& status) { model.see(status, now); }, node_gone),
                    now);
     model.rejected(feedback_.take([&](bus::StreamFeedback&& sample) { model.see(sample, now); },
                                   [&](const bus::StreamFeedback& key) { model.gone(key); }),

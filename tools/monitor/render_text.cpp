@@ -74,11 +74,7 @@ Look look_of_losses(const std::vector<Count>& losses) {
 }
 
 void add_title(const ProgramReport& program, TextLines& lines) {
-    constexpr const char* kKindNames[] = {"site", "world server", "viewer", "program"};
-    std::string text =
-        fmt::format("{} {}",
-                    kKindNames[std::min<std::size_t>(static_cast<std::size_t>(program.kind), 3)],
-                    program.name);
+    std::string text = fmt::format("{} {}", bus::kind_name(program.kind), program.name);
     if (program.is_known)
         text += fmt::format("  on {} pid {}, {}", program.host, program.pid, program.version);
     if (program.state == ProgramState::kGone) {

@@ -118,7 +118,7 @@ struct StreamReport {
 struct Report {
     std::string world;
     Timestamp time;
-    /// Sites, world servers, viewers, others; each sorted by name.
+    /// Sites, world servers, viewers, others, camera nodes; each sorted by name.
     std::vector<ProgramReport> programs;
     std::vector<StreamReport> streams;
     std::vector<std::string> notices;

@@ -1,5 +1,7 @@
 #include "tools/monitor/world_model.hpp"
 
+#include "core/bus/names.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -113,6 +115,12 @@ void WorldModel::see(const bus::WorldStatus& status, Clock::time_point now) {
 
 void WorldModel::see(const bus::ViewerStatus& status, Clock::time_point now) {
     take({bus::ProgramKind::kViewer, status.viewer}, figures_of(status), now);
+}
+
+void WorldModel::see(const bus::CameraNodeStatus& status, Clock::time_point now) {
+    take({bus::ProgramKind::kCameraNode, bus::camera_node_name(status.site, status.host)},
+         figures_of(status),
+         now);
 }
 
 void WorldModel::status_gone(bus::ProgramKind kind,

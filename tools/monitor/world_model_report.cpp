@@ -43,11 +43,6 @@ std::vector<Count> counts(const std::vector<Counter>& now,
     return list;
 }
 
-const char* kind_name(ProgramKind kind) {
-    constexpr const char* kNames[] = {"site", "world server", "viewer", "program"};
-    return kNames[std::min<std::size_t>(static_cast<std::size_t>(kind), 3)];
-}
-
 // A viewer short of processor time can make a site assume a slow network. Names it as the cause.
 void blame_slow_viewers(std::vector<ProgramReport>& programs) {
     for (ProgramReport& site : programs) {
@@ -96,7 +91,7 @@ Comparison WorldModel::compare_with_site(const std::string& site,
     if (compared.trust == ClockTrust::kUnknown) {
         report_notices_.insert(
             fmt::format("the host of {} '{}' is unknown, so latencies may compare two clocks",
-                        kind_name(site_clock ? kind : ProgramKind::kSiteNode),
+                        bus::kind_name(site_clock ? kind : ProgramKind::kSiteNode),
                         site_clock ? name : site));
     }
     return compared;

@@ -53,7 +53,6 @@ TEST(SiteHosts, ReadsWhichCamerasHangWhere) {
     EXPECT_TRUE(find_host(*hosts, "hull")->is_model);
     EXPECT_THAT(find_host(*hosts, "attic").error().message,
                 HasSubstr("this host, 'attic', is none of the site's: left, right, hull"));
-    EXPECT_EQ(camera_node_name("hall", "left"), "hall.left");
 }
 
 TEST(SiteHosts, AutoTakesTheCamerasThatNoOtherHostNames) {
