@@ -1,0 +1,221 @@
+"""Measures a site on several hosts against the same site as one process: see site_hosts.sh."""
+
+import argparse
+import json
+import os
+import re
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+import machine  # noqa: E402
+import page_table  # noqa: E402
+
+PAGE = os.path.join(machine.ROOT, "docs", "measurements", "site_hosts.md")
+SITE = os.path.join(machine.ROOT, "deploy", "sites", "hall.toml")
+NODES = ["north", "east", "south", "west"]
+HOSTS = [*NODES, "hull", "world", "viewer"]
+SETTLE_S = 6.0
+
+
+def run(*command):
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+
+
+class Network:
+    """One network namespace per host, around a bridge. Everything vanishes with this process, which has namespaces of its own."""
+
+    def __init__(self):
+        run("mount", "-t", "tmpfs", "none", "/run")
+        os.makedirs("/run/netns")
+        run("ip", "link", "set", "lo", "up")
+        run("ip", "link", "add", "hub", "type", "bridge", "mcast_snooping", "0")
+        run("ip", "link", "set", "hub", "up")
+        for number, host in enumerate(HOSTS, start=1):
+            run("ip", "netns", "add", host)
+            run("ip", "link", "add", f"to-{host}", "type", "veth", "peer", "name", "eth0", "netns", host)
+            run("ip", "link", "set", f"to-{host}", "master", "hub", "up")
+            inside = ["ip", "netns", "exec", host, "ip"]
+            run(*inside, "link", "set", "lo", "up")
+            run(*inside, "link", "set", "eth0", "up")
+            run(*inside, "addr", "add", f"10.79.0.{number}/24", "dev", "eth0")
+            run(*inside, "route", "add", "default", "dev", "eth0")
+
+    def bytes_of(self, host):
+        """(from the host, to the host) since the start."""
+        counts = []
+        for way in ("rx", "tx"):
+            with open(f"/sys/class/net/to-{host}/statistics/{way}_bytes", encoding="ascii") as file:
+                counts.append(int(file.read()))
+        return counts
+
+    def start(self, host, command, log):
+        return subprocess.Popen(["ip", "netns", "exec", host, *command, "--network", "lan", "--interface", "eth0"], stdout=log, stderr=log)
+
+
+def report_of(build, world):
+    """The newest report of the monitor, from the model part's host."""
+    command = ["ip", "netns", "exec", "hull", f"{build}/bin/monitor", "--json", "--once", "--wait", "5", "--bus.world", world]
+    done = subprocess.run([*command, "--network", "lan", "--interface", "eth0"], capture_output=True, text=True, check=False)
+    lines = done.stdout.strip().splitlines()
+    return json.loads(lines[-1]) if lines else None
+
+
+def program(report, kind):
+    return next((p for p in report["programs"] if p["kind"] == kind), None)
+
+
+def latency(of, stage):
+    found = next((s for s in of["latencies"] if s["stage"] == stage), None)
+    return {"median_ms": found["median_ms"], "p99_ms": found["p99_ms"]} if found else None
+
+
+def count(of, part, what):
+    return next((c["total"] for c in of[part] if c["what"] == what), 0)
+
+
+def measure(network, options, folder, with_hosts):
+    """One run; a dictionary of its figures."""
+    world = f"site-hosts-{os.getpid()}"
+    site = SITE if with_hosts else os.path.join(folder, "one.toml")
+    common = ["--bus.world", world]
+    programs = []
+    with open(os.path.join(folder, "programs.log"), "a", encoding="utf-8") as log:
+        def start(host, name, *arguments):
+            programs.append(network.start(host, [f"{options.build}/bin/{name}", *arguments, *common], log))
+
+        cache = ["--simulation.cache", options.cache]
+        if with_hosts:
+            for node in NODES:
+                start(node, "camera_node", "--config", site, "--host", node, *cache)
+            start("hull", "site_node", "--config", site, "--host", "hull")
+        else:
+            start("hull", "site_node", "--config", site, *cache)
+        start("world", "world_server", "--config", os.path.join(machine.ROOT, "deploy", "worlds", "demo.toml"))
+        start("viewer", "viewer", "--headless", "--view.width", "320", "--view.height", "180", "--view.max_fps", "10")
+        time.sleep(SETTLE_S)
+        before_bytes = {host: network.bytes_of(host) for host in HOSTS}
+        before, began = machine.CpuTimes.now(), time.monotonic()
+        first = report_of(options.build, world)
+        time.sleep(options.seconds)
+        last = report_of(options.build, world)
+        lasted = time.monotonic() - began
+        used = machine.shares(before, machine.CpuTimes.now())
+        after_bytes = {host: network.bytes_of(host) for host in HOSTS}
+        for each in programs:
+            each.send_signal(signal.SIGTERM)
+        for each in programs:
+            each.wait(timeout=30)
+    site_first, site_last = program(first, "site"), program(last, "site")
+    viewer = program(last, "viewer")
+    nodes = [p for p in last["programs"] if p["kind"] == "camera_node"]
+    figures = {
+        "hosts": with_hosts,
+        "seconds": lasted,
+        "busy": used["others"],
+        "metaframes_per_s": (count(site_last, "work", "metaframes_published") - count(site_first, "work", "metaframes_published")) / lasted,
+        "dropped": sum(
+            count(site_last, "losses", what) - count(site_first, "losses", what)
+            for what in ("dropped_incomplete", "dropped_late", "pictures_missing", "failed")
+        ),
+        "capture_to_publish": latency(site_last, "capture_to_publish"),
+        "hull_ms": latency(site_last, "hull")["median_ms"],
+        "coding_ms": latency(site_last, "coding")["median_ms"],
+        "silhouettes_ms": latency(site_last, "silhouettes")["median_ms"],
+        "capture_to_display": latency(viewer, "capture_to_display") if viewer else None,
+        "processor": {
+            p["name"] if p["kind"] != "site" else "site": p["processor"]["cores"] for p in last["programs"] if p["processor"]
+        },
+        "capture_to_silhouette": [latency(node, "capture_to_silhouette")["median_ms"] for node in nodes],
+        "mbit_per_s": {
+            host: [8e-6 * (after_bytes[host][way] - before_bytes[host][way]) / lasted for way in (0, 1)] for host in HOSTS
+        },
+    }
+    return figures
+
+
+def text_of(figures):
+    latency_of = figures["capture_to_publish"]
+    return (
+        f"{'several hosts' if figures['hosts'] else 'one process  '}: {figures['metaframes_per_s']:.1f} metaframes/s, "
+        f"capture to publish {latency_of['median_ms']:.1f} ms (p99 {latency_of['p99_ms']:.1f}), hull {figures['hull_ms']:.1f} ms, "
+        f"{figures['dropped']} dropped or missing, machine busy {figures['busy']:.0%}"
+    )
+
+
+def middle(runs, get):
+    return statistics.median(get(one) for one in runs)
+
+
+def write_page(options, runs, origin):
+    one = [figures for figures in runs if not figures["hosts"]]
+    several = [figures for figures in runs if figures["hosts"]]
+    columns = ("one process", one), ("several hosts", several)
+    rows = [
+        ("metaframes/s", lambda f: f["metaframes_per_s"], "{:.1f}"),
+        ("capture to publish, median [ms]", lambda f: f["capture_to_publish"]["median_ms"], "{:.1f}"),
+        ("capture to publish, p99 [ms]", lambda f: f["capture_to_publish"]["p99_ms"], "{:.1f}"),
+        ("silhouettes [ms]", lambda f: f["silhouettes_ms"], "{:.1f}"),
+        ("hull [ms]", lambda f: f["hull_ms"], "{:.1f}"),
+        ("coding [ms]", lambda f: f["coding_ms"], "{:.1f}"),
+        ("dropped, or pictures missing", lambda f: f["dropped"], "{:.0f}"),
+        ("machine busy", lambda f: f["busy"], "{:.0%}"),
+    ]
+    lines = ["| | one process | several hosts |", "|---|---|---|"]
+    for name, get, form in rows:
+        lines.append(f"| {name} | " + " | ".join(form.format(middle(part, get)) for _, part in columns) + " |")
+    for host in HOSTS:
+        cells = []
+        for _, part in columns:
+            out, into = (middle(part, lambda f, w=way: f["mbit_per_s"][host][w]) for way in (0, 1))
+            cells.append(f"{out:.2f} out, {into:.2f} in")
+        lines.append(f"| link of {host} [Mbit/s] | " + " | ".join(cells) + " |")
+    page_table.put_table(PAGE, "site_hosts", lines, origin)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--build", required=True)
+    parser.add_argument("--seconds", type=float, required=True)
+    parser.add_argument("--runs", type=int, required=True)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--inside", action="store_true", help="in namespaces of its own")
+    options = parser.parse_args()
+    options.build = os.path.abspath(options.build)
+    options.cache = os.path.abspath(".cache/rooms")
+    if not options.inside:
+        score = machine.score(options.build)
+        os.environ["ATRIUM_SCORE"] = json.dumps(score)
+        os.execvp("unshare", ["unshare", "-Urnm", sys.executable, os.path.abspath(__file__), *sys.argv[1:], "--inside"])
+    score = json.loads(os.environ["ATRIUM_SCORE"])
+    network = Network()
+    runs = []
+    with tempfile.TemporaryDirectory() as folder:
+        with open(SITE, encoding="utf-8") as file:
+            text = file.read()
+        text = text[: text.index("[[host]]")].replace('"../rigs/', f'"{machine.ROOT}/deploy/rigs/')
+        with open(os.path.join(folder, "one.toml"), "w", encoding="utf-8") as file:
+            file.write(re.sub(r"(?m)^min_cameras.*$", "", text).replace("[capture]", "[capture]\naligned = true"))
+        render = [f"{options.build}/bin/site_node", "--config", os.path.join(folder, "one.toml"), "--simulation.cache", options.cache]
+        subprocess.run([*render, "--site.seconds", "1"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        for _ in range(options.runs):
+            for with_hosts in (False, True):
+                runs.append(measure(network, options, folder, with_hosts))
+                print(text_of(runs[-1]), flush=True)
+    short, is_changed = machine.commit()
+    origin = (
+        f"{machine.today():%Y-%m-%dT%H:%MZ}, commit {short}{' and changes' if is_changed else ''}, {machine.name()}, "
+        f"{machine.num_cores()} cores, machine score {score['one_core']['score']:.1f}, {options.seconds:.0f} s, medians of {options.runs} runs each"
+    )
+    with open(options.out, "w", encoding="utf-8") as file:
+        json.dump({"origin": origin, "runs": runs}, file, indent=1)
+    write_page(options, runs, origin)
+    print(f"kept in {options.out}")
+
+
+if __name__ == "__main__":
+    main()
