@@ -47,11 +47,9 @@ class Network:
 
     def bytes_of(self, host):
         """(from the host, to the host) since the start."""
-        counts = []
-        for way in ("rx", "tx"):
-            with open(f"/sys/class/net/to-{host}/statistics/{way}_bytes", encoding="ascii") as file:
-                counts.append(int(file.read()))
-        return counts
+        shown = subprocess.run(["ip", "-s", "-j", "link", "show", "dev", f"to-{host}"], check=True, capture_output=True, text=True)
+        counters = json.loads(shown.stdout)[0]["stats64"]
+        return [counters[way]["bytes"] for way in ("rx", "tx")]
 
     def start(self, host, command, log):
         return subprocess.Popen(["ip", "netns", "exec", host, *command, "--network", "lan", "--interface", "eth0"], stdout=log, stderr=log)
@@ -70,12 +68,11 @@ def program(report, kind):
 
 
 def latency(of, stage):
-    found = next((s for s in of["latencies"] if s["stage"] == stage), None)
-    return {"median_ms": found["median_ms"], "p99_ms": found["p99_ms"]} if found else None
+    return of["latencies"].get(stage)
 
 
 def count(of, part, what):
-    return next((c["total"] for c in of[part] if c["what"] == what), 0)
+    return of[part].get(what, {"total": 0})["total"]
 
 
 def measure(network, options, folder, with_hosts):
