@@ -43,6 +43,9 @@ void read_hosts(config::TableReader& reader, std::vector<HostEntry>& hosts) {
             host.takes_any = which == "auto";
         }
         table.read("model", host.is_model);
+        table.read("cores", host.cores, {1, 1024});
+        table.read("score", host.score, {0, 1e6});
+        table.read("link_gbit_per_s", host.link_gbit_per_s, {1e-3, 1e3});
         if (!host.is_model && !host.takes_any && host.cameras.empty())
             table.reject("cameras",
                          "must name cameras of the rig, or be \"auto\": a host without cameras and "

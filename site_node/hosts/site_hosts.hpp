@@ -16,6 +16,10 @@ struct HostEntry {
     bool takes_any = false;  // cameras = "auto": those that answer there and no other host names
     bool is_model = false;   // computes the hull
     std::string place;       // in the file, for errors: "site.toml:7"
+    // of the computer, for `atrium plan` only
+    int cores = 4;
+    double score = 0.0;            // of one core (bench/score.sh); 0: as the machine of the costs
+    double link_gbit_per_s = 1.0;  // its network
 };
 
 /// Reads every `[[host]]`. `reader` collects the errors.

@@ -1,0 +1,199 @@
+#include "tools/plan/site_plan.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace atrium::plan {
+namespace {
+
+constexpr double kBytesPerSegment = 16.0;       // two doubles
+constexpr double kBytesPerMessage = 330.0;      // names, times and headers
+constexpr double kBytesPerPixelOfCamera = 1.0;  // BayerRG8, Mono8
+
+double megapixels(const geometry::CalibratedCamera& camera) {
+    return 1e-6 * camera.intrinsics.width * camera.intrinsics.height;
+}
+
+double mbit_per_s(double bytes, double rate_hz) { return 8e-6 * bytes * rate_hz; }
+
+// Sums over some cameras.
+struct Sums {
+    double silhouette_ms = 0.0;
+    double texture_ms = 0.0;
+    double texture_bytes = 0.0;
+    double segments = 0.0;
+    double camera_bytes = 0.0;
+    double longest_silhouette_ms = 0.0;
+    std::size_t num = 0;
+
+    double silhouette_bytes() const {
+        return kBytesPerSegment * segments + kBytesPerMessage * static_cast<double>(num);
+    }
+};
+
+Sums sums_of(const PlanInput& input, const std::vector<std::string>& names) {
+    Sums sums;
+    for (const geometry::CalibratedCamera& camera : input.rig.cameras) {
+        if (std::ranges::find(names, camera.name) == names.end()) continue;
+        const double mp = megapixels(camera);
+        const double silhouette_ms = input.costs.silhouette_ms.of(mp);
+        sums.silhouette_ms += silhouette_ms;
+        sums.longest_silhouette_ms = std::max(sums.longest_silhouette_ms, silhouette_ms);
+        sums.texture_ms += input.costs.texture_ms.of(mp);
+        sums.texture_bytes += input.costs.texture_bytes.of(mp);
+        sums.segments += input.costs.segments.of(std::sqrt(mp));
+        sums.camera_bytes += kBytesPerPixelOfCamera * 1e6 * mp;
+        ++sums.num;
+    }
+    return sums;
+}
+
+std::vector<std::string> all_names(const config::Rig& rig) {
+    std::vector<std::string> names;
+    for (const auto& camera : rig.cameras) names.push_back(camera.name);
+    return names;
+}
+
+void find_problems(const HostPlan& host, double rate_hz, std::vector<std::string>& problems) {
+    if (host.load > kMostUsed) {
+        const double fits_hz = rate_hz * kMostUsed / host.load;
+        problems.push_back(fmt::format(
+            "host {}: its work takes {:.0f} % of its {} cores; {:.0f} % may be used. Give it {} "
+            "cores, fewer cameras, or capture.rate_hz = {:.0f}",
+            host.name,
+            100.0 * host.load,
+            host.cores,
+            100.0 * kMostUsed,
+            static_cast<int>(std::ceil(host.cores * host.load / kMostUsed)),
+            std::floor(fits_hz)));
+    }
+    const double period_ms = 1e3 / rate_hz;
+    for (const Stage& stage : host.stages) {
+        if (stage.lasts_ms <= period_ms) continue;
+        problems.push_back(fmt::format(
+            "host {}: {} of a metaframe lasts {:.0f} ms on all its cores, the period is {:.1f} ms: "
+            "{:.0f} metaframes/s at most{}",
+            host.name,
+            stage.name,
+            stage.lasts_ms,
+            period_ms,
+            1e3 / stage.lasts_ms,
+            stage.name == "hull" ? ". Use [[hull.region]] with fewer cameras each, or fewer cameras"
+                                 : ""));
+    }
+    const double link = host.link_mbit_per_s;
+    for (const auto& [way, used] : {std::pair("from its cameras", host.cameras_mbit_per_s),
+                                    std::pair("into it", host.in_mbit_per_s),
+                                    std::pair("out of it", host.out_mbit_per_s)}) {
+        if (used <= kMostUsed * link) continue;
+        problems.push_back(fmt::format(
+            "host {}: {:.0f} Mbit/s {}, its link carries {:.0f}: use a "
+            "faster link{}",
+            host.name,
+            used,
+            way,
+            link,
+            std::string(way) == "from its cameras" ? ", several network cards, or fewer cameras"
+                                                   : ""));
+    }
+}
+
+}  // namespace
+
+SitePlan make_plan(PlanInput input) {
+    SitePlan plan;
+    std::vector<hosts::HostEntry> entries = input.hosts;
+    const bool is_one_process = entries.empty();
+    if (is_one_process) {
+        hosts::HostEntry one;
+        one.name = "this host";
+        one.cameras = all_names(input.rig);
+        one.is_model = true;
+        entries.push_back(one);
+    }
+    const Costs& costs = input.costs;
+    const Sums all = sums_of(input, all_names(input.rig));
+    plan.segments = all.segments;
+    const double triangles = costs.triangles_per_segment * all.segments;
+    plan.mesh_bytes = costs.mesh_bytes_per_triangle * triangles;
+    const double viewers = input.num_viewers;
+    double slowest_node_ms = 0.0;
+    double model_ms = 0.0;
+    for (const hosts::HostEntry& entry : entries) {
+        HostPlan host;
+        host.name = entry.name;
+        host.cores = entry.cores;
+        host.speed = entry.score > 0.0 && costs.score > 0.0 ? entry.score / costs.score : 1.0;
+        host.is_model = entry.is_model;
+        host.cameras = hosts::cameras_of(entry, entries, input.rig);
+        host.link_mbit_per_s = 1e3 * entry.link_gbit_per_s;
+        const Sums own = sums_of(input, host.cameras);
+        const auto on = [&](double work_ms) { return work_ms / host.speed; };
+        const auto over_cores = [&](double work_ms, double longest_ms) {
+            return std::max(work_ms / host.cores, longest_ms);
+        };
+        if (own.num > 0) {
+            const double silhouettes = on(own.silhouette_ms);
+            const double lasts = over_cores(silhouettes, on(own.longest_silhouette_ms));
+            host.stages.push_back({"silhouettes", silhouettes, lasts});
+            const double textures = on(own.texture_ms);
+            host.stages.push_back({"textures", textures, textures / host.cores});
+            if (!is_one_process) {
+                const double messages = on(costs.message_ms * static_cast<double>(own.num) / 2.0);
+                host.stages.push_back({"messages", messages, messages / host.cores});
+                host.programs.push_back("camera_node --config FILE --host " + host.name);
+            }
+            slowest_node_ms = std::max(slowest_node_ms, lasts + (is_one_process ? 0.0 : kWay_ms));
+            if (input.are_live)
+                host.cameras_mbit_per_s = mbit_per_s(own.camera_bytes, input.rate_hz);
+            host.out_mbit_per_s += mbit_per_s(own.texture_bytes, input.rate_hz) * viewers;
+            if (!host.is_model)
+                host.out_mbit_per_s += mbit_per_s(own.silhouette_bytes(), input.rate_hz);
+        }
+        if (host.is_model) {
+            const double hull = on(costs.hull_ms(all.num, all.segments, 1));
+            const double lasts = on(costs.hull_ms(all.num, all.segments, host.cores));
+            host.stages.push_back({"hull", hull, lasts});
+            const double mesh = on(1e-3 * costs.mesh_ms_per_ktriangle * triangles);
+            host.stages.push_back({"mesh", mesh, mesh});
+            if (!is_one_process) {
+                const double messages = on(costs.message_ms * static_cast<double>(all.num) / 2.0);
+                host.stages.push_back({"messages", messages, messages / host.cores});
+                host.in_mbit_per_s =
+                    mbit_per_s(all.silhouette_bytes() - own.silhouette_bytes(), input.rate_hz);
+                host.programs.push_back("site_node --config FILE --host " + host.name);
+            } else {
+                host.programs.push_back("site_node --config FILE");
+            }
+            // the world server takes the mesh, too
+            host.out_mbit_per_s += mbit_per_s(plan.mesh_bytes, input.rate_hz) * (viewers + 1.0);
+            model_ms = lasts + mesh;
+        }
+        double work_ms = 0.0;
+        for (const Stage& stage : host.stages) work_ms += stage.work_ms;
+        host.load = 1e-3 * work_ms * input.rate_hz / host.cores;
+        find_problems(host, input.rate_hz, plan.problems);
+        plan.hosts.push_back(std::move(host));
+    }
+    plan.latency_ms = slowest_node_ms + model_ms;
+    plan.assumptions = {
+        fmt::format("one person whom all cameras see whole; costs of {} (score {:.0f}), {}",
+                    costs.machine,
+                    costs.score,
+                    costs.measured),
+        "[[host]] cores (4), score (that of the costs) and link_gbit_per_s (1) where the file does "
+        "not say them",
+        fmt::format("{} viewer{} and one world server; camera pictures of one byte per pixel",
+                    input.num_viewers,
+                    input.num_viewers == 1 ? "" : "s"),
+        fmt::format("{:.1f} ms for a message's way through the network; no other work on the hosts",
+                    kWay_ms)};
+    plan.input = std::move(input);
+    return plan;
+}
+
+}  // namespace atrium::plan
