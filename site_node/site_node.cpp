@@ -24,6 +24,17 @@ std::jthread named_thread(const char* name, std::function<void(std::stop_token)>
     return thread;
 }
 
+// Whether camera nodes saw people, but left out all textures.
+bool lacks_textures(const capture::Metaframe& metaframe) {
+    bool has_people = false;
+    for (const capture::CameraFrame& frame : metaframe.frames) {
+        if (frame.found == nullptr) continue;
+        if (frame.found->has_texture) return false;
+        has_people |= !frame.found->contours_px.empty();
+    }
+    return has_people;
+}
+
 }  // namespace
 
 Expected<void> SiteNode::run(std::stop_token stop) {
@@ -159,9 +170,15 @@ void SiteNode::find_silhouettes(std::stop_token stop) {
         std::unique_ptr<Pipeline::Silhouettes> memory;
         if (begun->dropped) memory = std::move(begun->dropped->silhouettes);
         begun->dropped.reset();
-        const auto choice = stream_.offer(std::chrono::steady_clock::now());
-        if (choice && hosts_ != nullptr)
-            hosts_->set_coding(choice->level.jpeg_quality, choice->level.colour_divisor);
+        auto choice = stream_.offer(std::chrono::steady_clock::now());
+        if (choice && hosts_ != nullptr) {
+            hosts_->set_wishes({choice->level.jpeg_quality,
+                                choice->level.colour_divisor,
+                                choice->level.send_every,
+                                begun->value.capture_time});
+            // the camera nodes may not know yet which instants are sent
+            if (lacks_textures(begun->value)) choice.reset();
+        }
         if (choice)
             find_silhouettes_of(begun->value, *choice, std::move(memory));
         else

@@ -239,7 +239,7 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
                          [this] { return rig_watcher_.is_explained(); }),
       run_control_(std::move(run_control)),
       membership_(std::move(membership)) {
-    if (hosts_ != nullptr) hosts_->set_coding(config_.pipeline.jpeg_quality, 1);
+    if (hosts_ != nullptr) hosts_->set_wishes({.jpeg_quality = config_.pipeline.jpeg_quality});
     if (config_.preview.empty()) return;
     std::vector<std::string> names;
     for (const auto& camera : source_->rig().cameras) names.push_back(camera.name);

@@ -1,6 +1,7 @@
 """Measures a site on several hosts against the same site as one process: see site_hosts.sh."""
 
 import argparse
+import atexit
 import json
 import os
 import re
@@ -84,6 +85,7 @@ def measure(network, options, folder, with_hosts):
     with open(os.path.join(folder, "programs.log"), "a", encoding="utf-8") as log:
         def start(host, name, *arguments):
             programs.append(network.start(host, [f"{options.build}/bin/{name}", *arguments, *common], log))
+            atexit.register(programs[-1].kill)
 
         cache = ["--simulation.cache", options.cache]
         if with_hosts:

@@ -39,6 +39,9 @@ void fields(auto& v, Of<SiteOrders> auto& m, auto& w) {
     v("SiteOrders.asked", m.asked, w.asked_ns);
     v("SiteOrders.jpeg_quality", m.jpeg_quality, w.jpeg_quality, Range{1, 100});
     v("SiteOrders.colour_divisor", m.colour_divisor, w.colour_divisor, Range{1, 2});
+    v("SiteOrders.send_every", m.send_every, w.send_every, Range{1, kMaxSendEvery});
+    v("SiteOrders.sent", m.sent, w.sent_ns);
+    v("SiteOrders.period", m.period, w.period_ns);
 }
 
 void fields(auto& v, Of<ClockAnswer> auto& m, auto& w) {

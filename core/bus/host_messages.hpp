@@ -44,7 +44,16 @@ struct SiteOrders {
     Timestamp asked;  // on the clock of the model part's host
     std::uint32_t jpeg_quality = 85;
     std::uint32_t colour_divisor = 1;
+    /// Textures of one of `send_every` instants are wanted; `sent` is one of these instants, on the
+    /// clock of the model part's host.
+    std::uint32_t send_every = 1;
+    Timestamp sent;
+    std::chrono::nanoseconds period{1};  // between two instants
 };
+
+/// Whether `orders` want the texture of a picture of this time. The clock of the picture's host may
+/// be off by less than half a period.
+bool is_texture_wanted(const SiteOrders& orders, Timestamp capture_time);
 
 /// The answer to each SiteOrders. Four times, as in NTP, tell how far the clock is off.
 struct ClockAnswer {

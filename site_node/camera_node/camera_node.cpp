@@ -48,14 +48,15 @@ CameraNode::CameraNode(site_node::SiteNodeConfig config,
       source_(std::move(source)),
       cameras_(std::move(cameras)),
       bus_(std::move(bus)),
-      jpeg_quality_(config_.pipeline.jpeg_quality),
       run_control_(std::move(run_control)),
       membership_(std::move(membership)),
       workers_("work",
                static_cast<std::size_t>(config_.threads),
                [this](const std::string& key, Picture picture, std::size_t /*worker*/) {
                    work_on(key, std::move(picture));
-               }) {}
+               }) {
+    orders_.jpeg_quality = static_cast<std::uint32_t>(config_.pipeline.jpeg_quality);
+}
 
 CameraNode::~CameraNode() { workers_.stop(); }
 
@@ -138,8 +139,8 @@ void CameraNode::work_on(const std::string& key, Picture picture) {
     }
     const bool is_lost = picture.frame.is_lost();
     const Timestamp capture_time = picture.frame.capture_time;
-    const auto published = camera.work->process(
-        picture.frame, picture.clock_epoch, {jpeg_quality_, colour_divisor_}, [&] {
+    const auto published =
+        camera.work->process(picture.frame, picture.clock_epoch, newest_orders(), [&] {
             const std::lock_guard lock(latency_mutex_);
             capture_to_silhouette_.add(Timestamp::now() - capture_time);
         });
@@ -166,9 +167,9 @@ void CameraNode::follow_orders(std::stop_token stop) {
         const Timestamp received = Timestamp::now();
         bus_.orders.take([&](bus::SiteOrders&& orders) {
             if (orders.site != config_.name) return;
-            jpeg_quality_ = static_cast<int>(orders.jpeg_quality);
-            colour_divisor_ = static_cast<int>(orders.colour_divisor);
             answer(orders, received, epoch);
+            const std::lock_guard lock(orders_mutex_);
+            orders_ = std::move(orders);
         });
     }
 }
@@ -179,6 +180,11 @@ void CameraNode::answer(const bus::SiteOrders& orders, Timestamp received, std::
     if (clock_epoch_.current() != epoch) return;  // set in between: the times do not compare
     if (const auto written = bus_.answers.write(answer); !written)
         complaints_.warn("not answered: " + written.error().message);
+}
+
+bus::SiteOrders CameraNode::newest_orders() {
+    const std::lock_guard lock(orders_mutex_);
+    return orders_;
 }
 
 void CameraNode::report_status(std::stop_token stop) {

@@ -67,6 +67,7 @@ private:
     void work_on(const std::string& key, Picture picture);
     void follow_orders(std::stop_token stop);
     void answer(const bus::SiteOrders& orders, Timestamp received, std::uint64_t epoch);
+    bus::SiteOrders newest_orders();
     void report_status(std::stop_token stop);
 
     site_node::SiteNodeConfig config_;
@@ -78,8 +79,8 @@ private:
     Bus bus_;
     hosts::ClockEpoch clock_epoch_;
 
-    std::atomic<int> jpeg_quality_;
-    std::atomic<int> colour_divisor_{1};
+    std::mutex orders_mutex_;
+    bus::SiteOrders orders_;
     std::atomic<std::uint64_t> num_pictures_{0};
     std::atomic<std::uint64_t> num_silhouettes_{0};
     std::atomic<std::uint64_t> num_textures_{0};

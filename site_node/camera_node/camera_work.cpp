@@ -19,7 +19,7 @@ CameraWork::CameraWork(std::string site,
 
 Expected<CameraWork::Published> CameraWork::process(capture::CameraFrame& frame,
                                                     std::uint64_t clock_epoch,
-                                                    const site_node::ColourCoding& coding,
+                                                    const bus::SiteOrders& orders,
                                                     const std::function<void()>& on_silhouette) {
     Published published;
     const auto found = frame.is_lost() ? Expected<void>() : stage_.find(frame, {}, seen_);
@@ -32,12 +32,14 @@ Expected<CameraWork::Published> CameraWork::process(capture::CameraFrame& frame,
     }
     ++message_.frame_id;
     message_.capture_time = frame.capture_time;
-    const auto silhouette = publish_silhouette(clock_epoch);
+    const auto silhouette =
+        publish_silhouette(clock_epoch, bus::is_texture_wanted(orders, frame.capture_time));
     if (!silhouette) return tl::unexpected(silhouette.error());
     published.silhouette_bytes = *silhouette;
     on_silhouette();
     if (message_.has_texture) {
-        const auto texture = publish_texture(coding);
+        const auto texture = publish_texture(
+            {static_cast<int>(orders.jpeg_quality), static_cast<int>(orders.colour_divisor)});
         if (!texture) return tl::unexpected(texture.error());
         published.texture_bytes = *texture;
     }
@@ -55,10 +57,11 @@ Expected<std::size_t> CameraWork::publish_lost(Timestamp capture_time, std::uint
     return writers_.silhouettes.write(lost);
 }
 
-Expected<std::size_t> CameraWork::publish_silhouette(std::uint64_t clock_epoch) {
+Expected<std::size_t> CameraWork::publish_silhouette(std::uint64_t clock_epoch,
+                                                     bool is_texture_wanted) {
     message_.clock_epoch = clock_epoch;
     message_.has_picture = true;
-    message_.has_texture = !seen_.contours.empty() && !seen_.subject.empty();
+    message_.has_texture = is_texture_wanted && !seen_.contours.empty() && !seen_.subject.empty();
     message_.is_view_shifted = seen_.view_shift_px.has_value();
     if (seen_.view_shift_px)
         message_.view_shift_px = {seen_.view_shift_px->x(), seen_.view_shift_px->y()};

@@ -37,14 +37,14 @@ public:
     /// called between the two. Afterwards `frame` has no picture.
     Expected<Published> process(capture::CameraFrame& frame,
                                 std::uint64_t clock_epoch,
-                                const site_node::ColourCoding& coding,
+                                const bus::SiteOrders& orders,
                                 const std::function<void()>& on_silhouette);
 
     /// Publishes that the picture of this time is lost.
     Expected<std::size_t> publish_lost(Timestamp capture_time, std::uint64_t clock_epoch);
 
 private:
-    Expected<std::size_t> publish_silhouette(std::uint64_t clock_epoch);
+    Expected<std::size_t> publish_silhouette(std::uint64_t clock_epoch, bool is_texture_wanted);
     Expected<std::size_t> publish_texture(const site_node::ColourCoding& coding);
 
     site_node::SilhouetteStage stage_;

@@ -3,11 +3,11 @@
 namespace atrium::hosts {
 
 void HostClock::add(const Answer& answer, Time now) {
+    // a clock was set on the way
+    if (answer.returned < answer.asked || answer.answered < answer.received) return;
     const std::chrono::nanoseconds way =
         (answer.returned - answer.asked) - (answer.answered - answer.received);
-    // a clock was set on the way
-    if (answer.returned < answer.asked || answer.answered < answer.received || way.count() < 0)
-        return;
+    if (way.count() < 0) return;
     const auto there = answer.received - answer.asked;
     const auto back = answer.answered - answer.returned;
     samples_.push_back({there / 2 + back / 2, way / 2 + std::chrono::nanoseconds(1), now});

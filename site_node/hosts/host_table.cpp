@@ -99,7 +99,9 @@ void HostTable::add(bus::CameraSilhouette silhouette,
     enter(*host, judge(*host, arrival), arrival);
     const bool knows_clock =
         host->state == bus::HostState::kInUse || host->state == bus::HostState::kLate;
-    const Timestamp time = silhouette.capture_time + -host->clock.offset;
+    // the offset is small now
+    const Timestamp time =
+        knows_clock ? silhouette.capture_time + -host->clock.offset : Timestamp{};
     if (!knows_clock || std::chrono::abs(now - time) > kLongestDisorder) {
         ++host->num_left_out;
         return;

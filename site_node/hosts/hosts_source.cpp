@@ -61,6 +61,7 @@ HostsSource::HostsSource(const config::Rig& rig, HostsSourceOptions options, Bus
       table_(camera_names(rig), options_.hosts, table_options(rig, options_)),
       own_epoch_(own_clock_.current()) {
     orders_.site = options_.site;
+    orders_.period = table_options(rig, options_).period;
     for (const geometry::CalibratedCamera& camera : rig.cameras)
         counters_.emplace_back().name = camera.name;
 }
@@ -192,10 +193,12 @@ std::vector<capture::CameraCounters> HostsSource::camera_counters() const {
     return counters;
 }
 
-void HostsSource::set_coding(int jpeg_quality, int colour_divisor) {
+void HostsSource::set_wishes(const Wishes& wishes) {
     const std::lock_guard lock(mutex_);
-    orders_.jpeg_quality = static_cast<std::uint32_t>(jpeg_quality);
-    orders_.colour_divisor = static_cast<std::uint32_t>(colour_divisor);
+    orders_.jpeg_quality = static_cast<std::uint32_t>(wishes.jpeg_quality);
+    orders_.colour_divisor = static_cast<std::uint32_t>(wishes.colour_divisor);
+    orders_.send_every = static_cast<std::uint32_t>(wishes.send_every);
+    orders_.sent = wishes.sent;
 }
 
 std::vector<bus::HostStatus> HostsSource::statuses() const {

@@ -42,8 +42,15 @@ public:
     /// What the camera nodes report of their cameras. Thread-safe.
     std::vector<capture::CameraCounters> camera_counters() const override;
 
-    /// How camera nodes shall code the colours from now on. Thread-safe.
-    void set_coding(int jpeg_quality, int colour_divisor);
+    /// How camera nodes shall code the colours from now on: of one of `send_every` instants, of
+    /// which `sent` is one. Thread-safe.
+    struct Wishes {
+        int jpeg_quality = 86;
+        int colour_divisor = 1;
+        int send_every = 1;
+        Timestamp sent{};
+    };
+    void set_wishes(const Wishes& wishes);
 
     /// Thread-safe.
     std::vector<bus::HostStatus> statuses() const;

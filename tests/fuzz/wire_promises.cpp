@@ -70,6 +70,7 @@ std::string broken_promise(const bus::CameraSilhouette& message) {
 
 std::string broken_promise(const bus::SiteOrders& message) {
     if (message.jpeg_quality < 1 || message.jpeg_quality > 100) return "a quality";
+    if (message.send_every < 1 || message.send_every > bus::kMaxSendEvery) return "a share";
     return unless(message.colour_divisor == 1 || message.colour_divisor == 2, "a divisor");
 }
 

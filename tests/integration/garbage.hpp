@@ -108,6 +108,9 @@ private:
         auto* cameras = elements(w.textured_cameras, below(6));
         for (std::uint32_t i = 0; i < w.textured_cameras._length; ++i)
             cameras[i] = chance(80) ? i : random_();
+        auto* frames = elements(w.texture_frames, chance(50) ? 0 : below(6));
+        for (std::uint32_t i = 0; i < w.texture_frames._length; ++i)
+            frames[i] = {random_(), chance(80) ? Timestamp::now().ns : -1};
         bytes(w.draco);
     }
     void fill(atrium_CameraTexture& w) {

@@ -1,6 +1,7 @@
 #include "core/base/timestamp.hpp"
 #include "core/bus/bus.hpp"
 #include "core/config/rig.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/support/network/hosted_process.hpp"
 #include "tests/support/network/impaired_network.hpp"
 #include "tests/support/skips.hpp"
@@ -99,6 +100,7 @@ struct Published {
     std::map<std::int64_t, std::set<std::vector<std::uint8_t>>> meshes;
     std::map<std::pair<std::int64_t, std::uint32_t>, std::set<std::vector<std::uint8_t>>> textures;
     std::size_t num_complete = 0;  // meshes of all cameras whose textures all came
+    std::size_t num_textures = 0;
 };
 
 std::int64_t instant_at(Timestamp time) {
@@ -166,6 +168,7 @@ protected:
             waiter.wait(100ms);
             textures.take([&](bus::CameraTexture&& t) {
                 there.emplace(t.camera, t.frame_id, t.capture_time.ns);
+                ++published.num_textures;
                 std::vector<std::uint8_t> bytes = t.colour;
                 bytes.insert(bytes.end(), t.mask.begin(), t.mask.end());
                 published.textures[{instant_at(t.capture_time), t.camera}].insert(bytes);
@@ -251,6 +254,25 @@ TEST_F(SiteHosts, TheModelPartStartsAnew) {
     EXPECT_TRUE(hull_says("host_in_use host=left", 0));
     EXPECT_TRUE(hull_says("host_in_use host=right", 0));
     EXPECT_GT(listen(kNumInstants).num_complete, 0u);
+}
+
+// A narrow link costs metaframes: the camera nodes send no textures that no mesh will name.
+TEST_F(SiteHosts, ALimitedRateHoldsForTheTexturesOfAllHosts) {
+    auto command = command_of("hull");
+    command.insert(command.end(), {"--stream.max_mbit_per_s", "0.15", "--stream.adapt", "on"});
+    programs_["hull"] = value(HostedProcess::start(command));
+    start("left");
+    start("right");
+    static const std::regex kReduced("stream level [^\n]*rate=1/([2-9]|[1-6][0-9])");
+    ASSERT_TRUE(hull_says("host_in_use host=right", 0));
+    EXPECT_TRUE(test_support::comes_true([&] {
+        return std::regex_search(hull().output(), kReduced);
+    })) << hull().output();
+    listen(2);  // the rate has settled
+    const Published published = listen(6);
+    EXPECT_GE(published.num_complete, 6u);
+    // all instants of the recording would be 8 * 6 textures for every 6 meshes
+    EXPECT_LE(published.num_textures, 2 * 8 * published.num_complete);
 }
 
 TEST_F(SiteHosts, SecondCameraNodeOfAHostIsRefused) {

@@ -44,12 +44,16 @@ tl::unexpected<Error> unknown_command(const std::string& name, const fs::path& f
 }  // namespace
 
 std::span<const Command> shipped_commands() {
-    static const std::array<Command, 6> commands{
+    static const std::array<Command, 10> commands{
         {{"demo", "run two simulated rooms, a world server and a viewer on this host"},
          {"monitor", "show the programs of a world: rates, latencies, losses"},
          {"calibrate", "make rig.toml, or a recording, from the calibration of another program"},
          {"cameras", "offer a simulated room or a recording as GigE Vision cameras"},
          {"plan", "say which host of a site does what, and whether it can"},
+         {"up", "start the programs of a site on all its hosts, over SSH"},
+         {"down", "end the programs of a site on all its hosts"},
+         {"status", "say which programs of a site run, host by host"},
+         {"logs", "print the logs of a site, host by host"},
          {"hull", "compute one visual hull from files"}}};
     return commands;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 #include <utility>
 
 namespace atrium::plan {
@@ -113,6 +114,7 @@ SitePlan make_plan(PlanInput input) {
         one.name = "this host";
         one.cameras = all_names(input.rig);
         one.is_model = true;
+        one.cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
         entries.push_back(one);
     }
     const Costs& costs = input.costs;

@@ -1,9 +1,12 @@
 #include "site_node/hosts/host_table.hpp"
 
+#include "core/bus/limits.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 namespace atrium::hosts {
 namespace {
@@ -190,6 +193,49 @@ TEST_F(HostTableTest, WhenItsOwnClockIsSetItMeasuresAnew) {
     EXPECT_EQ(state(0), HostState::kClockUnknown);
     ask("left", milliseconds(3));
     EXPECT_FALSE(see("left", 0, milliseconds(3)).empty());
+}
+
+// Whatever a hostile program of the world sends: no overflow, no picture of a wrong time.
+TEST_F(HostTableTest, SurvivesHostileTimesAndNames) {
+    std::mt19937_64 random(5);
+    const auto time = [&]() -> Timestamp {
+        switch (random() % 4) {
+            case 0:
+                return {0};
+            case 1:
+                return {bus::kMaxTime_ns};
+            case 2:
+                return {static_cast<std::int64_t>(random() >> 2U)};
+            default:
+                return now_ + milliseconds(static_cast<int>(random() % 100) - 50);
+        }
+    };
+    const char* names[] = {"left", "right", "hall", "nobody"};
+    for (int i = 0; i < 20'000; ++i) {
+        bus::ClockAnswer answer;
+        answer.host = names[random() % 4];
+        answer.asked = time();
+        answer.received = time();
+        answer.answered = time();
+        answer.clock_epoch = random() % 7;
+        table_.add(answer, now_, steady_);
+        bus::CameraSilhouette silhouette;
+        silhouette.host = names[random() % 4];
+        silhouette.camera = static_cast<std::uint32_t>(random() % 6);
+        silhouette.capture_time = time();
+        silhouette.clock_epoch = random() % 7;
+        silhouette.has_picture = random() % 2 == 0;
+        std::vector<capture::CameraFrame> frames;
+        table_.add(silhouette, now_, steady_, frames);
+        for (const auto& frame : frames) {
+            ASSERT_LT(frame.camera, 4u);
+            ASSERT_LE(std::chrono::abs(frame.capture_time - now_), std::chrono::seconds(10));
+        }
+        table_.gone(static_cast<std::uint32_t>(random() % 6));
+        if (i % 10 == 0) table_.look(steady_);
+        table_.take_events();
+        pass(milliseconds(static_cast<int>(random() % 20)));
+    }
 }
 
 }  // namespace

@@ -1,0 +1,114 @@
+#include "tools/site_control/scripts.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace atrium::site_control {
+namespace {
+
+std::string beginning(const std::string& site) {
+    return fmt::format(
+        "set -u\nbase=\"$HOME/.atrium\"/{}\nmkdir -p \"$base/run\" \"$base/files\" "
+        "&& cd \"$base\" || exit 1\n"
+        // whether the process of a file of ours still runs
+        "runs() {{ pid=$(cat \"run/$1.pid\" 2>/dev/null) && [ -n \"$pid\" ] && "
+        "kill -0 \"$pid\" 2>/dev/null; }}\n",
+        quoted(site));
+}
+
+// A text that no file of a site contains as a line.
+constexpr const char* kEndOfFile = "ATRIUM-END-OF-FILE-3f9c";
+
+}  // namespace
+
+std::string quoted(const std::string& text) {
+    std::string out = "'";
+    for (const char c : text) {
+        if (c == '\'')
+            out += "'\\''";
+        else
+            out += c;
+    }
+    return out + "'";
+}
+
+std::string up_script(const std::string& site,
+                      const std::vector<SentFile>& files,
+                      const std::vector<Program>& programs,
+                      const std::string& folder_of_programs) {
+    std::string script = beginning(site);
+    for (const SentFile& file : files) {
+        const std::string folder = std::filesystem::path(file.path).parent_path().string();
+        script += fmt::format("mkdir -p files/{}\n", quoted(folder));
+        script += fmt::format("cat > files/{} << '{}'\n{}{}{}\n",
+                              quoted(file.path),
+                              kEndOfFile,
+                              file.text,
+                              file.text.ends_with('\n') ? "" : "\n",
+                              kEndOfFile);
+    }
+    for (const Program& program : programs) {
+        std::string arguments;
+        for (const std::string& argument : program.arguments) arguments += " " + quoted(argument);
+        script += fmt::format(
+            "if runs {0}; then echo \"runs {0} $pid\"; else\n"
+            "  program={1}/{0}\n"
+            "  [ -x \"$program\" ] || program=$(command -v {2} || command -v {0} || true)\n"
+            "  if [ -z \"$program\" ]; then echo \"failed {0}: it is not installed on this host\"; "
+            "else\n"
+            "    setsid nohup \"$program\"{3} > run/{0}.log 2>&1 < /dev/null &\n"
+            "    echo $! > run/{0}.pid\n"
+            "    sleep 1\n"
+            "    if runs {0}; then echo \"started {0} $pid\"; else\n"
+            "      echo \"failed {0}: $(tail -n 1 run/{0}.log)\"; rm -f run/{0}.pid; fi\n"
+            "  fi\nfi\n",
+            program.name,
+            quoted(folder_of_programs),
+            program.installed,
+            arguments);
+    }
+    return script;
+}
+
+std::string down_script(const std::string& site, const std::vector<Program>& programs) {
+    std::string script = beginning(site);
+    for (const Program& program : programs) {
+        script += fmt::format(
+            "if runs {0}; then\n"
+            "  kill -TERM \"$pid\"\n"
+            "  for i in 1 2 3 4 5 6 7 8 9 10; do runs {0} || break; sleep 0.5; done\n"
+            "  if runs {0}; then kill -KILL \"$pid\"; echo \"killed {0}\"; else echo \"ended "
+            "{0}\"; fi\n"
+            "else echo \"did not run {0}\"; fi\nrm -f run/{0}.pid\n",
+            program.name);
+    }
+    return script;
+}
+
+std::string status_script(const std::string& site, const std::vector<Program>& programs) {
+    std::string script = beginning(site);
+    for (const Program& program : programs) {
+        script += fmt::format(
+            "if runs {0}; then echo \"runs {0} $pid, for $(ps -o etimes= -p \"$pid\" | tr -d ' ') "
+            "s\"; "
+            "else echo \"does not run {0}\"; fi\n"
+            "grep -E ' (warning|error) ' run/{0}.log 2>/dev/null | tail -n 1 | sed 's/^/  /'\n",
+            program.name);
+    }
+    return script + "exit 0\n";
+}
+
+std::string logs_script(const std::string& site,
+                        const std::vector<Program>& programs,
+                        int num_lines) {
+    std::string script = beginning(site);
+    for (const Program& program : programs)
+        script += fmt::format("tail -n {} run/{}.log 2>/dev/null || echo \"{} has no log here\"\n",
+                              num_lines,
+                              program.name,
+                              program.name);
+    return script;
+}
+
+}  // namespace atrium::site_control
