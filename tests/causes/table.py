@@ -10,7 +10,7 @@ FOLDER = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(FOLDER))
 
 # in the order of the page; other programs of tools/ follow
-PROGRAMS = ("every program", "site_node", "world_server", "viewer", "visual_hull", "demo", "monitor", "simulated_cameras", "atrium", "build")
+PROGRAMS = ("every program", "site_node", "camera_node", "world_server", "viewer", "visual_hull", "demo", "monitor", "simulated_cameras", "atrium", "build")
 KEYS = {"id": str, "program": str, "cause": str, "cure": str, "prepare": str, "command": str, "exit": int, "message": (str, list),
         "needs_data": bool, "by_hand": str}
 

@@ -61,6 +61,9 @@ TEST_F(CommandLine, NetworkFileErrorIsNamedBeforeTheRoomOpens) {
 
 TEST_F(CommandLine, EveryProgramPrintsHelpAndVersion) {
     for (const std::string program : {"site_node",
+                                      "camera_node",
+                                      "plan",
+                                      "site_control",
                                       "world_server",
                                       "viewer",
                                       "visual_hull",
@@ -80,7 +83,7 @@ TEST_F(CommandLine, EveryProgramPrintsHelpAndVersion) {
 }
 
 TEST_F(CommandLine, FrontCommandRunsEveryTool) {
-    for (const std::string command : {"demo", "monitor", "cameras", "hull"}) {
+    for (const std::string command : {"demo", "monitor", "plan", "cameras", "hull"}) {
         const Outcome help = run("atrium help " + command);
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_THAT(help.output, HasSubstr("--version")) << command;

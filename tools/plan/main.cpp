@@ -91,7 +91,7 @@ int run(int argc, char** argv) {
                    "play all hosts on so many cores, as programs on one computer")
         ->check(CLI::Range(1, 1024));
     cli.add_flag("--json", options.json, "print JSON");
-    cli.set_version_flag("--version", app::version());
+    cli.set_version_flag("--version", "plan " + app::version());
     cli.footer(
         "examples:\n"
         "  atrium plan deploy/sites/hall.toml\n"

@@ -116,7 +116,7 @@ int run(int argc, char** argv) {
         "there.",
         "site_control");
     cli.require_subcommand(1);
-    cli.set_version_flag("--version", app::version());
+    cli.set_version_flag("--version", "site_control " + app::version());
     cli.footer(
         "examples:\n"
         "  atrium up hall.toml\n"
