@@ -44,12 +44,13 @@ tl::unexpected<Error> unknown_command(const std::string& name, const fs::path& f
 }  // namespace
 
 std::span<const Command> shipped_commands() {
-    static const std::array<Command, 5> commands{
+    static const std::array<Command, 6> commands{
         {{"demo", "run two simulated rooms, a world server and a viewer on this host"},
          {"monitor", "show the programs of a world: rates, latencies, losses"},
          {"calibrate", "make rig.toml, or a recording, from the calibration of another program"},
          {"cameras", "offer a simulated room or a recording as GigE Vision cameras"},
-         {"hull", "compute one visual hull from files"}}};
+         {"hull", "compute one visual hull from files"},
+         {"doctor", "say what is wrong on this host, and the command that mends it"}}};
     return commands;
 }
 
