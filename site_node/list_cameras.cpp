@@ -17,7 +17,9 @@ Expected<void> list_cameras() {
             "of an "
             "interface of this machine, and that no firewall blocks UDP port 3956. USB3 Vision: "
             "check "
-            "that this user may open the device (udev rules) and that it is at a USB 3 port");
+            "that this user may open the device (udev rules) and that it is at a USB 3 port. "
+            "atrium "
+            "doctor --for camera checks these");
     }
     fmt::print("{}", capture::camera_table(cameras));
     std::fflush(stdout);

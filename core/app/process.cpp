@@ -48,7 +48,7 @@ int apply(const ProcessOptions& options) {
     if (failure != 0) {
         log::warn(
             "niceness_refused wanted={} has={} reason=\"{}\" it needs CAP_SYS_NICE or RLIMIT_NICE "
-            "(systemd: Nice= or LimitNICE=)",
+            "(systemd: Nice= or LimitNICE=; atrium doctor)",
             wanted,
             now,
             std::strerror(failure));

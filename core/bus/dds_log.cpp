@@ -88,7 +88,7 @@ void DdsLog::add(std::string_view line) {
                                  : fmt::format(
                                        "peer_unreachable address={} no route from this "
                                        "host, or its network refuses: check --peers, "
-                                       "--interface, cable and firewall",
+                                       "--interface, cable and firewall (atrium doctor)",
                                        address);
 }
 

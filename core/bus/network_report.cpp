@@ -50,7 +50,8 @@ NetworkReport report_network(const NetworkSettings& settings) {
     if (granted < kBytesAtOnce) {
         report.warnings.push_back(
             fmt::format("the receive buffer, {} kB, holds less than two frames of {} kB: samples "
-                        "will be lost and sent again; run sysctl -w net.core.rmem_max={}",
+                        "will be lost and sent again; run sysctl -w net.core.rmem_max={} (atrium "
+                        "doctor checks the rest)",
                         granted >> 10U,
                         kBytesAtOnce >> 11U,
                         kRemedyBytes));
@@ -65,10 +66,10 @@ NetworkReport report_network(const NetworkSettings& settings) {
     const bool is_builtin =
         settings.kind == "lan" || settings.kind == "wifi" || settings.kind == "wan";
     if (stays_here && (is_builtin || (settings.kind != "loopback" && settings.has_remote_peers))) {
-        report.warnings.push_back(
-            fmt::format("bus.network = {}: no active network card reaches other hosts; bring one "
-                        "up and name it with --interface, or use --network loopback",
-                        settings.kind));
+        report.warnings.push_back(fmt::format(
+            "bus.network = {}: no active network card reaches other hosts; bring one "
+            "up and name it with --interface (atrium doctor), or use --network loopback",
+            settings.kind));
     }
     if (settings.kind == "wan" && !settings.has_remote_peers) {
         report.warnings.emplace_back(

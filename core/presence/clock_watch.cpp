@@ -31,7 +31,8 @@ std::optional<std::string> ClockWatch::see(const std::string& host,
     const std::chrono::duration<double> offset = is_ahead ? -delay : known.shortest_delay;
     return fmt::format(
         "clock_differs host={} the clock of {} is about {:.1f} s {} this host's: latencies between "
-        "them mean nothing; synchronise both with NTP or PTP, for example timedatectl set-ntp true",
+        "them mean nothing; synchronise both with NTP or PTP, for example timedatectl set-ntp true "
+        "(atrium doctor on each)",
         host,
         host,
         offset.count(),

@@ -207,7 +207,8 @@ void AravisCamera::report_connected(const Session& session, bool again) {
                      : std::string()));
     if (again || shared_state_.options.realtime_priority <= 0 || session.stream->is_realtime())
         return;
-    report(false, "is received without real-time priority, which is not permitted here");
+    report(false,
+           "is received without real-time priority, which is not permitted here (atrium doctor)");
 }
 
 nanoseconds AravisCamera::silence() const {

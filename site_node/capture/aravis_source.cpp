@@ -48,11 +48,11 @@ void report_sockets(const CamerasOptions& options,
     const std::uint64_t allowed = max_socket_buffer_bytes();
     report({false,
             "GigE Vision pictures come through normal sockets, which lose more of them under load: "
-            "packet sockets are disabled or not permitted (cap_net_raw)"});
+            "packet sockets are disabled or not permitted (cap_net_raw, see atrium doctor)"});
     if (allowed == 0 || allowed >= 2 * largest) return;
     report({true,
             fmt::format("socket buffers hold {} bytes, less than two pictures: raise them with "
-                        "sysctl net.core.rmem_max={}",
+                        "sysctl net.core.rmem_max={} (atrium doctor)",
                         allowed,
                         2 * largest)});
 }

@@ -154,7 +154,7 @@ Expected<FoundCamera> CameraFinder::find(const std::string& serial, const std::s
     if (const auto camera = known(serial); camera && !is_silent) return *camera;
     return not_found(
         fmt::format("no camera with serial number '{}' answers (site_node --list-cameras shows all "
-                    "that do)",
+                    "that do, atrium doctor why)",
                     serial));
 }
 

@@ -68,6 +68,7 @@ TEST_F(CommandLine, EveryProgramPrintsHelpAndVersion) {
                                       "viewer",
                                       "visual_hull",
                                       "demo",
+                                      "doctor",
                                       "monitor",
                                       "simulated_cameras"}) {
         const Outcome help = run(program + " --help");
@@ -83,7 +84,7 @@ TEST_F(CommandLine, EveryProgramPrintsHelpAndVersion) {
 }
 
 TEST_F(CommandLine, FrontCommandRunsEveryTool) {
-    for (const std::string command : {"demo", "monitor", "plan", "cameras", "hull"}) {
+    for (const std::string command : {"demo", "monitor", "plan", "cameras", "hull", "doctor"}) {
         const Outcome help = run("atrium help " + command);
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_THAT(help.output, HasSubstr("--version")) << command;

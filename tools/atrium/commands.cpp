@@ -44,7 +44,7 @@ tl::unexpected<Error> unknown_command(const std::string& name, const fs::path& f
 }  // namespace
 
 std::span<const Command> shipped_commands() {
-    static const std::array<Command, 10> commands{
+    static const std::array<Command, 11> commands{
         {{"demo", "run two simulated rooms, a world server and a viewer on this host"},
          {"monitor", "show the programs of a world: rates, latencies, losses"},
          {"calibrate", "make rig.toml, or a recording, from the calibration of another program"},
@@ -54,7 +54,8 @@ std::span<const Command> shipped_commands() {
          {"down", "end the programs of a site on all its hosts"},
          {"status", "say which programs of a site run, host by host"},
          {"logs", "print the logs of a site, host by host"},
-         {"hull", "compute one visual hull from files"}}};
+         {"hull", "compute one visual hull from files"},
+         {"doctor", "say what is wrong on this host, and the command that mends it"}}};
     return commands;
 }
 

@@ -56,7 +56,8 @@ Expected<std::unique_ptr<Surface>> open_headless(const SurfaceOptions& options) 
     if (options.context == ContextKind::kOsmesa) return open_osmesa(options);
     auto on_gpu = open_egl(gl::EglDevices::kHardware, options);
     if (on_gpu) return on_gpu;
-    app::log::info("surface_software reason=\"{}\"", on_gpu.error().message);
+    app::log::info("surface_software reason=\"{}\" see=\"atrium doctor --for viewer\"",
+                   on_gpu.error().message);
     return open_osmesa(options);
 }
 

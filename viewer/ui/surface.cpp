@@ -46,7 +46,7 @@ Expected<std::unique_ptr<Surface>> open_surface(const SurfaceOptions& options) {
     }
     return make_error(ErrorKind::kUnavailable,
                       "cannot open a window (" + why_no_window + ") or a context without one (" +
-                          headless.error().message + ")");
+                          headless.error().message + "); see atrium doctor --for viewer");
 }
 
 }  // namespace atrium::viewer

@@ -1,0 +1,300 @@
+#include "tools/doctor/checks/checks.hpp"
+#include "tools/doctor/facts/collect.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::doctor {
+namespace {
+
+constexpr int kJumboMtu = 8000;  // less than this is small
+constexpr int kWantedMtu = 9000;
+constexpr double kFilling = 0.9;         // of a link, with the heads of the packets
+constexpr std::uint64_t kRealtime = 10;  // capture.cameras.realtime_priority
+constexpr std::uint64_t kUsbMemory_mb = 200;
+constexpr int kUsb3_mbit = 5000;
+constexpr std::uint32_t kLinkLocal = 0xA9FE0000;  // 169.254.0.0/16
+
+bool is_link_local(std::uint32_t address) { return (address & 0xFFFF0000U) == kLinkLocal; }
+
+bool has_link_local(const Card& card) {
+    return std::any_of(card.addresses.begin(), card.addresses.end(), [](const CardAddress& one) {
+        return is_link_local(one.address);
+    });
+}
+
+bool has_gige(const Facts& facts) {
+    return facts.cameras.found && std::any_of(facts.cameras.found->begin(),
+                                              facts.cameras.found->end(),
+                                              [](const FoundCamera& one) { return one.is_gige; });
+}
+
+// The addresses of cameras that answer or that the file names.
+std::vector<std::uint32_t> camera_addresses(const Facts& facts) {
+    std::vector<std::uint32_t> addresses;
+    const auto add = [&](const std::string& text) {
+        if (const auto address = parse_address(text)) addresses.push_back(*address);
+    };
+    for (const SiteCamera& camera : facts.wishes.cameras) add(camera.address);
+    if (facts.cameras.found) {
+        for (const FoundCamera& camera : *facts.cameras.found) add(camera.address);
+    }
+    return addresses;
+}
+
+std::string address_of_camera(const Facts& facts, const SiteCamera& camera) {
+    if (!camera.address.empty() || !facts.cameras.found) return camera.address;
+    for (const FoundCamera& found : *facts.cameras.found) {
+        if (found.serial == camera.serial) return found.address;
+    }
+    return "";
+}
+
+std::string path_of_site_node(const Facts& facts) {
+    for (const Program& program : facts.programs) {
+        if (program.name == "site_node") return shell_word(program.path.string());
+    }
+    return "site_node";
+}
+
+void check_presence(const Facts& facts, Findings& findings) {
+    if (!facts.cameras.found) return;
+    const std::string list = path_of_site_node(facts) + " --list-cameras";
+    if (facts.cameras.found->empty()) {
+        const Card* card = likely_camera_card(facts);
+        const std::string cure =
+            card == nullptr ? list
+            : has_link_local(*card)
+                ? fmt::format("sudo ip link set dev {} up && {}", shell_word(card->name), list)
+                : fmt::format("sudo ip address add 169.254.0.1/16 dev {} && {}",
+                              shell_word(card->name),
+                              list);
+        findings.push_back(make_finding(
+            "no_camera",
+            "No camera answers: check its power and cable; a GigE Vision camera without a fixed "
+            "address is in the network 169.254.0.0/16.",
+            cure));
+        return;
+    }
+    for (const SiteCamera& wanted : facts.wishes.cameras) {
+        if (wanted.serial.empty() && wanted.address.empty()) continue;
+        const bool is_there = std::any_of(
+            facts.cameras.found->begin(), facts.cameras.found->end(), [&](const FoundCamera& one) {
+                return wanted.serial.empty() ? one.address == wanted.address
+                                             : one.serial == wanted.serial;
+            });
+        if (is_there) continue;
+        findings.push_back(make_finding(
+            "camera_missing",
+            fmt::format("Camera '{}' ({}) does not answer; {} others do.",
+                        wanted.name,
+                        wanted.serial.empty() ? wanted.address : "serial " + wanted.serial,
+                        facts.cameras.found->size()),
+            wanted.address.empty()
+                ? list
+                : fmt::format("ping -c 3 {}; {}", shell_word(wanted.address), list)));
+    }
+}
+
+void check_mtu(const Facts& facts, Findings& findings) {
+    const std::vector<const Card*> cards = camera_cards(facts);
+    const auto raise = [](const Card& card) {
+        return fmt::format("sudo ip link set dev {} mtu {}", shell_word(card.name), kWantedMtu);
+    };
+    const auto keep = [](const Card& card) {
+        return write_line(fmt::format("ACTION==\"add\", SUBSYSTEM==\"net\", {}, ATTR{{mtu}}=\"{}\"",
+                                      card.mac.empty() ? "KERNEL==\"" + card.name + "\""
+                                                       : "ATTR{address}==\"" + card.mac + "\"",
+                                      kWantedMtu),
+                          "/etc/udev/rules.d/91-atrium-mtu-" + card.name + ".rules");
+    };
+    const Card* smallest = nullptr;
+    const Card* largest = nullptr;
+    for (const Card* card : cards) {
+        if (card->mtu == 0) continue;
+        if (smallest == nullptr || card->mtu < smallest->mtu) smallest = card;
+        if (largest == nullptr || card->mtu > largest->mtu) largest = card;
+    }
+    if (smallest == nullptr) return;
+    if (largest->mtu >= kJumboMtu && smallest->mtu < kJumboMtu) {
+        findings.push_back(make_finding(
+            "mtu_mixed",
+            fmt::format("The MTU of {} is {}, that of {} is {}: cameras at {} send many small "
+                        "packets; all cards with cameras want {}.",
+                        smallest->name,
+                        smallest->mtu,
+                        largest->name,
+                        largest->mtu,
+                        smallest->name,
+                        kWantedMtu),
+            raise(*smallest),
+            keep(*smallest)));
+        return;
+    }
+    for (const Card* card : cards) {
+        if (card->mtu == 0 || card->mtu >= kJumboMtu) continue;
+        findings.push_back(make_finding(
+            "mtu_small",
+            fmt::format(
+                "The MTU of {}, which has cameras, is {}; they want {} (jumbo frames, also in "
+                "the switch): small packets cost processor time and are lost sooner.",
+                card->name,
+                card->mtu,
+                kWantedMtu),
+            raise(*card),
+            keep(*card)));
+    }
+}
+
+void check_bandwidth(const Facts& facts, Findings& findings) {
+    for (const Card& card : facts.network.cards) {
+        const double asked = camera_mbit_per_s(facts, card);
+        const double has = kFilling * card.speed_mbit;
+        if (asked <= 0.0 || has <= 0.0 || asked <= has) continue;
+        const double rate = std::max(1.0, std::floor(facts.wishes.rate_hz * has / asked));
+        findings.push_back(make_finding(
+            "cameras_exceed_link",
+            fmt::format("The cameras at {} send {:.0f} Mbit/s at {:g} Hz; its link of {} Mbit/s "
+                        "carries {:.0f}.",
+                        card.name,
+                        asked,
+                        facts.wishes.rate_hz,
+                        card.speed_mbit,
+                        has),
+            fmt::format("{} --config {} --capture.rate_hz {:g}",
+                        path_of_site_node(facts),
+                        shell_word(facts.wishes.file.string()),
+                        rate)));
+    }
+}
+
+void check_reverse_path(const Facts& facts, Findings& findings) {
+    const std::vector<std::uint32_t> addresses = camera_addresses(facts);
+    if (std::none_of(addresses.begin(), addresses.end(), is_link_local)) return;
+    const bool is_routed =
+        std::any_of(facts.network.cards.begin(), facts.network.cards.end(), has_link_local);
+    if (is_routed) return;
+    const Card* card = likely_camera_card(facts);
+    if (card == nullptr || card->rp_filter != 1) return;
+    const std::string name = fmt::format("net/ipv4/conf/{}/rp_filter", card->name);
+    findings.push_back(make_finding(
+        "reverse_path_strict",
+        fmt::format("rp_filter of {} is 1 (strict) and the card has no address in 169.254.0.0/16, "
+                    "where cameras are: the kernel drops their packets; 2 (loose) keeps them.",
+                    card->name),
+        set_sysctl(name, "2"),
+        write_line(name + " = 2", "/etc/sysctl.d/60-atrium-rp_filter.conf")));
+}
+
+void check_rights(const Facts& facts, Findings& findings) {
+    for (const Program& program : facts.programs) {
+        if (program.name != "site_node" || !program.has_net_raw || !has_gige(facts)) continue;
+        if (*program.has_net_raw || facts.user.has_net_raw) continue;
+        findings.push_back(make_finding(
+            "no_packet_socket",
+            "site_node may not open packet sockets (no cap_net_raw): the kernel's UDP loses more "
+            "packets of GigE Vision cameras.",
+            fmt::format("sudo setcap cap_net_raw,cap_sys_nice+ep {}",
+                        shell_word(program.path.string()))));
+    }
+    if (!facts.realtime_limit || *facts.realtime_limit >= kRealtime || facts.user.has_sys_nice)
+        return;
+    findings.push_back(make_finding(
+        "no_realtime",
+        fmt::format("{} may use real-time priority {} at most; threads that receive pictures ask "
+                    "for {}. Log in again afterwards.",
+                    facts.user.name,
+                    *facts.realtime_limit,
+                    kRealtime),
+        write_line(fmt::format("{} - rtprio {}", facts.user.name, 2 * kRealtime),
+                   "/etc/security/limits.d/60-atrium.conf")));
+}
+
+void check_usb(const Facts& facts, Findings& findings) {
+    for (const UsbCamera& camera : facts.cameras.usb) {
+        if (!camera.is_permitted) {
+            const std::string rule = fmt::format(
+                "SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{}\", MODE=\"0660\", "
+                "GROUP=\"plugdev\"",
+                camera.vendor);
+            findings.push_back(make_finding(
+                "usb_camera_not_permitted",
+                fmt::format("{} may not open the USB3 Vision camera {}. Log in again afterwards.",
+                            facts.user.name,
+                            camera.node),
+                write_line(rule, "/etc/udev/rules.d/60-atrium-cameras.rules") +
+                    fmt::format(" && sudo udevadm control --reload && sudo udevadm trigger && "
+                                "sudo usermod -aG plugdev {}",
+                                shell_word(facts.user.name))));
+        }
+        if (camera.speed_mbit > 0 && camera.speed_mbit < kUsb3_mbit) {
+            findings.push_back(make_finding(
+                "usb_link_slow",
+                fmt::format(
+                    "The USB3 Vision camera {} runs at {} Mbit/s; USB 3 has {}: use a USB 3 "
+                    "port (blue) and cable.",
+                    camera.node,
+                    camera.speed_mbit,
+                    kUsb3_mbit),
+                "lsusb -t"));
+        }
+    }
+    const auto& memory = facts.cameras.usb_memory_mb;
+    // 0: no limit
+    if (facts.cameras.usb.empty() || !memory || *memory == 0 || *memory >= kUsbMemory_mb) return;
+    constexpr const char* kFile = "/sys/module/usbcore/parameters/usbfs_memory_mb";
+    findings.push_back(make_finding(
+        "usb_memory_small",
+        fmt::format("All USB cameras share {} MB of buffers; wanted are 1000: pictures are lost.",
+                    *memory),
+        write_line("1000", kFile),
+        write_line(fmt::format("w {} - - - - 1000", kFile), "/etc/tmpfiles.d/atrium-usb.conf")));
+}
+
+}  // namespace
+
+const Card* likely_camera_card(const Facts& facts) {
+    const Card* likely = nullptr;
+    for (const Card& card : facts.network.cards) {
+        if (card.is_loopback) continue;
+        if (likely == nullptr || likely->name == facts.network.card) likely = &card;
+    }
+    return likely;
+}
+
+std::vector<const Card*> camera_cards(const Facts& facts) {
+    std::vector<const Card*> cards;
+    if (!facts.cameras.found) return cards;
+    for (const FoundCamera& camera : *facts.cameras.found) {
+        const Card* card = camera.is_gige ? card_towards(facts.network, camera.address) : nullptr;
+        if (card != nullptr && std::find(cards.begin(), cards.end(), card) == cards.end())
+            cards.push_back(card);
+    }
+    return cards;
+}
+
+double camera_mbit_per_s(const Facts& facts, const Card& card) {
+    double mbit = 0.0;
+    if (facts.wishes.source != "cameras") return 0.0;
+    for (const SiteCamera& camera : facts.wishes.cameras) {
+        if (card_towards(facts.network, address_of_camera(facts, camera)) != &card) continue;
+        mbit += 8.0 * camera.megapixels * camera.bytes_per_pixel * facts.wishes.rate_hz;
+    }
+    return mbit;
+}
+
+Findings check_cameras(const Facts& facts) {
+    Findings findings;
+    if (!facts.roles.camera) return findings;
+    check_presence(facts, findings);
+    check_mtu(facts, findings);
+    check_bandwidth(facts, findings);
+    check_reverse_path(facts, findings);
+    check_rights(facts, findings);
+    check_usb(facts, findings);
+    return findings;
+}
+
+}  // namespace atrium::doctor

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "tools/doctor/checks/finding.hpp"
+#include "tools/doctor/facts/facts.hpp"
+
+#include <string>
+#include <vector>
+
+/// Turns facts into findings. Pure functions: the same facts give the same findings.
+namespace atrium::doctor {
+
+using Findings = std::vector<Finding>;
+
+Findings check_programs(const Facts& facts);
+Findings check_site_file(const Facts& facts);
+Findings check_network(const Facts& facts);
+Findings check_firewall(const Facts& facts);
+Findings check_cameras(const Facts& facts);
+Findings check_clock(const Facts& facts);
+Findings check_graphics(const Facts& facts);
+Findings check_load(const Facts& facts);
+Findings check_folders(const Facts& facts);
+Findings check_keys(const Facts& facts);
+
+/// All checks: first the findings that stop Atrium, then those that cost, then the notes.
+Findings check_all(const Facts& facts);
+
+/// The card by which packets to and from this address go; nullptr if no card is in its network.
+const Card* card_towards(const NetworkFacts& network, const std::string& address);
+/// The cards with GigE Vision cameras that answered, each once.
+std::vector<const Card*> camera_cards(const Facts& facts);
+
+/// The card that cameras are most likely at, not that of the default route if there is another;
+/// nullptr if there is none but loopback.
+const Card* likely_camera_card(const Facts& facts);
+
+/// [Mbit/s] of all cameras of the site file that send through `card`; 0: none or unknown.
+double camera_mbit_per_s(const Facts& facts, const Card& card);
+
+}  // namespace atrium::doctor

@@ -1,0 +1,72 @@
+#include "tools/doctor/checks/checks.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace atrium::doctor {
+namespace {
+
+constexpr double kMaxError_ms = 2.0;
+
+bool has_daemon(const ClockFacts& clock, const char* name) {
+    return std::find(clock.daemons.begin(), clock.daemons.end(), name) != clock.daemons.end();
+}
+
+std::string service_of(const std::string& daemon) {
+    if (daemon == "systemd-timesyn") return "systemd-timesyncd";
+    if (daemon == "chronyd") return "chrony";
+    return daemon == "ntpd" ? "ntpsec" : daemon;
+}
+
+}  // namespace
+
+Findings check_clock(const Facts& facts) {
+    Findings findings;
+    const ClockFacts& clock = facts.clock;
+    const bool is_alone = facts.wishes.network == "loopback";  // one host, one clock
+    if (clock.daemons.size() > 1) {
+        // chrony keeps the best time
+        const bool keeps_chrony = has_daemon(clock, "chronyd");
+        const std::string spare =
+            keeps_chrony && clock.daemons[0] == "chronyd" ? clock.daemons[1] : clock.daemons[0];
+        findings.push_back(
+            make_finding("two_time_daemons",
+                         fmt::format("{} set the clock at the same time: it jumps; one must go.",
+                                     fmt::join(clock.daemons, " and ")),
+                         fmt::format("sudo systemctl disable --now {}", service_of(spare))));
+    }
+    if (!clock.is_synchronised || is_alone) return findings;
+    if (!*clock.is_synchronised && clock.daemons.empty()) {
+        findings.push_back(make_finding(
+            "no_time_daemon",
+            "No program keeps the clock right (no chrony, NTP or PTP): latencies between hosts and "
+            "the order of pictures mean nothing.",
+            "sudo apt install chrony"));
+    } else if (!*clock.is_synchronised) {
+        const std::string service = service_of(clock.daemons.front());
+        findings.push_back(make_finding(
+            "clock_unsynchronised",
+            fmt::format(
+                "The clock is not synchronised, although {} runs: it reaches no time server.",
+                service),
+            has_daemon(clock, "chronyd") ? std::string("chronyc sources && sudo chronyc makestep")
+                                         : fmt::format("sudo systemctl restart {}", service)));
+    } else if (clock.max_error_ms > kMaxError_ms) {
+        findings.push_back(make_finding(
+            "clock_error_large",
+            fmt::format(
+                "The clock may be wrong by {:.3g} ms; wanted are {:g} ms: use a time server "
+                "in the LAN (replace TIMEHOST).",
+                clock.max_error_ms,
+                kMaxError_ms),
+            (has_daemon(clock, "chronyd") ? "" : std::string("sudo apt install chrony && ")) +
+                write_line("server TIMEHOST iburst minpoll 2 maxpoll 4 prefer",
+                           "/etc/chrony/sources.d/atrium.sources") +
+                " && sudo chronyc reload sources"));
+    }
+    return findings;
+}
+
+}  // namespace atrium::doctor

@@ -1,0 +1,176 @@
+#include "tools/doctor/checks/checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::doctor {
+namespace {
+
+constexpr std::uint64_t kMinFree = std::uint64_t{10} << 30U;
+constexpr double kMinWrite_mb_per_s = 50.0;
+constexpr double kSoon_days = 30.0;
+
+double days_between(Timestamp from, Timestamp to) {
+    return static_cast<double>(to.ns - from.ns) / 1e9 / 86'400.0;
+}
+
+// [MB/s] of the pictures of the site file.
+double asked_mb_per_s(const Wishes& wishes) {
+    double mb_per_s = 0.0;
+    for (const SiteCamera& camera : wishes.cameras)
+        mb_per_s += camera.megapixels * camera.bytes_per_pixel * wishes.rate_hz;
+    return wishes.source == "cameras" ? mb_per_s : 0.0;
+}
+
+// Never gives a folder of the system to the user: makes one in it, or opens the disk.
+std::string cure_of_folder(const Facts& facts,
+                           const std::string& problem,
+                           const std::string& existing,
+                           const std::string& wanted) {
+    if (problem.find("Read-only") != std::string::npos) {
+        return fmt::format("sudo mount -o remount,rw \"$(findmnt -n -o TARGET -T {})\"",
+                           shell_word(existing));
+    }
+    return fmt::format("sudo install -d -o {} {}", shell_word(facts.user.name), shell_word(wanted));
+}
+
+void check_recordings(const Facts& facts, Findings& findings) {
+    if (!facts.recordings) return;
+    const FolderFacts& disk = *facts.recordings;
+    const std::string folder = disk.folder.string();
+    if (!disk.problem.empty()) {
+        findings.push_back(make_finding(
+            "folder_not_writable",
+            fmt::format(
+                "The folder for recordings, {}, cannot be written: {}.", folder, disk.problem),
+            cure_of_folder(facts, disk.problem, folder, folder + "/atrium")));
+        return;
+    }
+    if (disk.free_bytes < kMinFree) {
+        findings.push_back(make_finding(
+            "disk_full",
+            fmt::format("The disk of {} has {} left; wanted are {}: remove what the command lists "
+                        "last.",
+                        folder,
+                        size_text(disk.free_bytes),
+                        size_text(kMinFree)),
+            fmt::format("sudo du -xh --max-depth=2 {} | sort -h | tail", shell_word(folder))));
+    }
+    const double wanted = std::max(kMinWrite_mb_per_s, asked_mb_per_s(facts.wishes));
+    if (disk.write_mb_per_s > 0.0 && disk.write_mb_per_s < wanted) {
+        findings.push_back(make_finding(
+            "disk_slow",
+            fmt::format("The disk of {} writes {:.0f} MB/s; a recording wants {:.0f}: choose a "
+                        "folder on one of the disks that the command lists.",
+                        folder,
+                        disk.write_mb_per_s,
+                        std::ceil(wanted)),
+            "lsblk -o NAME,MODEL,ROTA,TRAN,MOUNTPOINT"));
+    }
+}
+
+}  // namespace
+
+Findings check_folders(const Facts& facts) {
+    Findings findings;
+    check_recordings(facts, findings);
+    if (facts.cache && !facts.cache->problem.empty()) {
+        findings.push_back(make_finding(
+            "cache_not_writable",
+            fmt::format(
+                "The cache folder {} cannot be written ({}): a site cannot keep silhouettes.",
+                facts.wishes.cache.string(),
+                facts.cache->problem),
+            cure_of_folder(facts,
+                           facts.cache->problem,
+                           facts.cache->folder.string(),
+                           facts.wishes.cache.string())));
+    }
+    return findings;
+}
+
+Findings check_keys(const Facts& facts) {
+    Findings findings;
+    if (!facts.keys) return findings;
+    const KeyFacts& keys = *facts.keys;
+    if (!keys.is_there) {
+        findings.push_back(
+            make_finding("keys_missing",
+                         fmt::format("The folder of keys {} is not there.", keys.folder.string()),
+                         fmt::format("sudo mkdir -m 700 -p {}", shell_word(keys.folder.string()))));
+    }
+    if (!keys.has_openssl) {
+        findings.push_back(make_finding("openssl_missing",
+                                        "The dates of certificates are unknown without openssl.",
+                                        "sudo apt install openssl"));
+    }
+    for (const Certificate& certificate : keys.certificates) {
+        const std::string file = certificate.file.string();
+        const std::string request = fmt::format(
+            "openssl x509 -x509toreq -in {0} -signkey KEY -out {0}.csr", shell_word(file));
+        if (certificate.ends && *certificate.ends < facts.now) {
+            findings.push_back(make_finding(
+                "key_expired",
+                fmt::format("The certificate {} expired {:.0f} days ago: let its authority sign a "
+                            "new one (replace KEY by its private key).",
+                            file,
+                            std::ceil(days_between(*certificate.ends, facts.now))),
+                request));
+        } else if (certificate.ends && days_between(facts.now, *certificate.ends) < kSoon_days) {
+            findings.push_back(make_finding(
+                "key_expires_soon",
+                fmt::format(
+                    "The certificate {} expires in {:.0f} days: let its authority sign a new "
+                    "one (replace KEY by its private key).",
+                    file,
+                    std::floor(days_between(facts.now, *certificate.ends))),
+                request));
+        }
+        if (certificate.begins && facts.now < *certificate.begins) {
+            findings.push_back(make_finding(
+                "key_not_yet_valid",
+                fmt::format(
+                    "The certificate {} is valid only in {:.0f} days: the clock of this host "
+                    "or of its authority is wrong.",
+                    file,
+                    std::ceil(days_between(facts.now, *certificate.begins))),
+                "timedatectl && sudo timedatectl set-ntp true"));
+        }
+    }
+    for (const auto& key : keys.open_keys) {
+        findings.push_back(make_finding(
+            "private_key_readable",
+            fmt::format("Other users may read or write the private key {}.", key.string()),
+            fmt::format("sudo chmod 600 {}", shell_word(key.string()))));
+    }
+    return findings;
+}
+
+Findings check_all(const Facts& facts) {
+    Findings all;
+    for (const auto check : {&check_programs,
+                             &check_site_file,
+                             &check_network,
+                             &check_firewall,
+                             &check_cameras,
+                             &check_clock,
+                             &check_graphics,
+                             &check_load,
+                             &check_folders,
+                             &check_keys}) {
+        Findings found = check(facts);
+        std::move(found.begin(), found.end(), std::back_inserter(all));
+    }
+    // one cause is enough
+    const auto is_firewall = [](const Finding& one) { return one.id == "firewall_drops_dds"; };
+    if (std::any_of(all.begin(), all.end(), is_firewall))
+        std::erase_if(all, [](const Finding& one) { return one.id == "multicast_not_heard"; });
+    std::stable_sort(all.begin(), all.end(), [](const Finding& a, const Finding& b) {
+        return a.severity < b.severity;
+    });
+    return all;
+}
+
+}  // namespace atrium::doctor

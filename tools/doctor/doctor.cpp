@@ -1,0 +1,61 @@
+#include "tools/doctor/doctor.hpp"
+
+#include "tools/doctor/checks/checks.hpp"
+
+#include <fmt/format.h>
+
+namespace atrium::doctor {
+namespace {
+
+// Root needs no sudo, and a small system may lack it.
+std::string without_sudo(std::string command) {
+    constexpr std::string_view kSudo = "sudo ";
+    for (std::size_t at = command.find(kSudo); at != std::string::npos;
+         at = command.find(kSudo, at)) {
+        const std::string before = command.substr(0, at);
+        const bool begins_command = before.empty() || before.ends_with("| ") ||
+                                    before.ends_with("&& ") || before.ends_with("; ");
+        if (begins_command) {
+            command.erase(at, kSudo.size());
+        } else {
+            at += kSudo.size();
+        }
+    }
+    return command;
+}
+
+}  // namespace
+
+Expected<Report> examine(const Options& options, const System& system, const TextStyle& style) {
+    Request request{.roles = options.roles,
+                    .programs = options.programs,
+                    .recordings = options.recordings,
+                    .keys = options.keys,
+                    .wishes = {}};
+    if (!options.file.empty()) {
+        auto wishes = read_wishes(options.file);
+        if (!wishes) return tl::unexpected(wishes.error());
+        request.wishes = std::move(*wishes);
+        if (!request.roles) {
+            const auto roles = roles_of_file(options.file);
+            if (!roles) return tl::unexpected(roles.error());
+            request.roles = *roles;
+        }
+    }
+    if (!options.network.empty()) request.wishes.network = options.network;
+    if (!options.interface.empty()) request.wishes.interface = options.interface;
+    const Facts facts = collect(system, request);
+    Findings findings = check_all(facts);
+    if (facts.user.is_root) {
+        for (Finding& finding : findings) {
+            finding.cure = without_sudo(std::move(finding.cure));
+            finding.keep = without_sudo(std::move(finding.keep));
+        }
+    }
+    const std::vector<Checked> checked = describe(facts);
+    return Report{options.is_json ? report_json(findings, checked, facts.roles)
+                                  : report_text(findings, checked, style),
+                  is_ill(findings)};
+}
+
+}  // namespace atrium::doctor

@@ -1,0 +1,85 @@
+#include "tools/doctor/facts/collect.hpp"
+
+#include <algorithm>
+
+namespace atrium::doctor {
+namespace {
+
+constexpr std::uint64_t kTestBytes = 16U << 20U;
+constexpr std::uint64_t kCacheTestBytes = 0;  // only whether a file can be made
+
+// A soft limit of this process, by the name in /proc.
+std::optional<std::uint64_t> limit_of(const System& system, const std::string& name) {
+    constexpr std::uint64_t kUnlimited = 99;
+    for (const std::string& line : lines_of(system.read("/proc/self/limits").value_or(""))) {
+        if (line.rfind(name, 0) != 0) continue;
+        const auto words = words_of(line.substr(name.size()));
+        if (!words.empty() && words[0] == "unlimited") return kUnlimited;
+        return words.empty() ? std::nullopt : parse_number(words[0]);
+    }
+    return std::nullopt;
+}
+
+bool has_program(const std::vector<Program>& programs, const std::string& name) {
+    return std::any_of(programs.begin(), programs.end(), [&](const Program& program) {
+        return program.name == name && program.is_there;
+    });
+}
+
+// Without a file and --for: by the programs that are there. A viewer needs a display or a GPU.
+Roles fitting_roles(const System& system, const std::vector<Program>& programs) {
+    Roles roles;
+    roles.site = has_program(programs, "site_node");
+    roles.world = has_program(programs, "world_server");
+    const bool can_show = !system.variable("DISPLAY").empty() ||
+                          !system.variable("WAYLAND_DISPLAY").empty() || system.exists("/dev/dri");
+    roles.viewer = can_show && has_program(programs, "viewer");
+    if (!roles.site && !roles.world && !roles.viewer) roles.site = roles.world = true;
+    return roles;
+}
+
+// The folder itself, or its nearest parent that exists.
+std::filesystem::path existing_part(std::filesystem::path folder) {
+    std::error_code error;
+    folder = std::filesystem::absolute(folder, error);
+    while (!std::filesystem::is_directory(folder, error) && folder.has_relative_path())
+        folder = folder.parent_path();
+    return folder;
+}
+
+}  // namespace
+
+Facts collect(const System& system, const Request& request) {
+    Facts facts;
+    facts.now = system.now();
+    facts.user = system.user();
+    facts.wishes = request.wishes;
+    facts.programs = collect_programs(system, request.programs);
+    facts.roles = request.roles ? *request.roles : fitting_roles(system, facts.programs);
+    facts.load = collect_load(system);  // before other programs are started
+    facts.network = collect_network(system, request.wishes);
+    facts.clock = collect_clock(system);
+    facts.realtime_limit = limit_of(system, "Max realtime priority");
+    facts.nice_limit = limit_of(system, "Max nice priority");
+    const bool may_have_cameras = facts.roles.site && request.wishes.file.empty();
+    if (facts.roles.camera || may_have_cameras) {
+        facts.cameras = collect_cameras(system, facts.programs, facts.user);
+        const bool has_cameras =
+            !facts.cameras.usb.empty() || (facts.cameras.found && !facts.cameras.found->empty());
+        if (!request.roles) facts.roles.camera |= has_cameras;
+    }
+    if (facts.roles.viewer) facts.graphics = collect_graphics(system, request.programs, facts.user);
+    if (!request.recordings.empty())
+        facts.recordings = collect_folder(system, request.recordings, kTestBytes);
+    if (!request.wishes.cache.empty()) {
+        facts.cache = collect_folder(system, existing_part(request.wishes.cache), kCacheTestBytes);
+    }
+    if (!request.keys.empty()) {
+        facts.keys = collect_keys(system, request.keys);
+    } else if (system.exists(kKeys)) {
+        facts.keys = collect_keys(system, system.at(kKeys));
+    }
+    return facts;
+}
+
+}  // namespace atrium::doctor

@@ -1,0 +1,202 @@
+#pragma once
+
+#include "core/base/timestamp.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What is known of a host. An empty optional is unknown: no check judges it.
+namespace atrium::doctor {
+
+/// IPv4 address in host byte order.
+struct CardAddress {
+    std::string card;
+    std::uint32_t address = 0;
+    int prefix = 32;  // bits of the network
+};
+
+struct Card {
+    std::string name;
+    std::string mac;  // empty: unknown
+    bool is_up = false;
+    bool is_loopback = false;
+    bool has_multicast = false;
+    int mtu = 0;         // [bytes]; 0: unknown
+    int speed_mbit = 0;  // 0: unknown
+    bool is_half_duplex = false;
+    std::uint64_t received = 0;  // packets since the start of the host
+    std::uint64_t lost = 0;      // packets for which the card had no room
+    std::uint64_t damaged = 0;   // packets with wrong checksums
+    int rp_filter = 0;           // 0 off, 1 strict, 2 loose
+    std::vector<CardAddress> addresses;
+};
+
+struct Route {
+    std::string card;
+    std::uint32_t destination = 0;
+    std::uint32_t mask = 0;
+};
+
+enum class Firewall : std::uint8_t { kNone, kUfw, kFirewalld, kNft, kIptables };
+
+struct NetworkFacts {
+    std::optional<std::uint64_t> rmem_max;  // [bytes]
+    std::optional<std::uint64_t> wmem_max;  // [bytes]
+    std::optional<std::uint64_t> ipfrag_time_s;
+    std::optional<std::uint64_t> ipfrag_memory;  // [bytes]
+    std::vector<Card> cards;
+    std::vector<Route> routes;
+    std::string nft_rules;       // JSON of nft; empty: not readable
+    std::string iptables_rules;  // text of iptables-save; empty: not readable
+    bool has_ufw = false;
+    bool has_ethtool = true;
+    std::string card;                     // that Atrium uses; empty: none
+    bool is_card_by_chance = false;       // no option and no default route chose it
+    std::optional<bool> hears_multicast;  // on `card`, from this host
+};
+
+struct FoundCamera {
+    std::string name;  // vendor and model
+    std::string serial;
+    std::string address;  // IPv4, or device id
+    bool is_gige = false;
+};
+
+struct UsbCamera {
+    std::string node;    // /dev/bus/usb/002/003
+    std::string vendor;  // four hexadecimal digits
+    int speed_mbit = 0;  // 480: USB 2
+    bool is_permitted = true;
+};
+
+struct CameraFacts {
+    std::optional<std::vector<FoundCamera>> found;  // that answer
+    std::vector<UsbCamera> usb;
+    std::optional<std::uint64_t> usb_memory_mb;
+};
+
+struct Program {
+    std::string name;
+    std::filesystem::path path;
+    bool is_there = false;
+    std::string version;  // empty: it does not run
+    std::vector<std::string> missing_libraries;
+    std::optional<bool> has_net_raw;  // file capability
+};
+
+struct User {
+    std::string name;
+    bool is_root = false;
+    std::vector<unsigned> groups;
+    unsigned id = 0;
+    bool has_net_raw = false;  // capability of this process
+    bool has_sys_nice = false;
+};
+
+struct ClockFacts {
+    std::optional<bool> is_synchronised;
+    double max_error_ms = 0.0;
+    std::vector<std::string> daemons;  // that set this clock, as their processes are named
+};
+
+struct GraphicsFacts {
+    bool has_display_card = false;          // on the PCI bus
+    std::string vendor_without_driver;      // PCI vendor id of a display card that has none
+    std::vector<std::string> nodes;         // /dev/dri/renderD*
+    std::vector<std::string> closed_nodes;  // of them, those that this user may not open
+    std::optional<bool> is_hardware;        // EGL draws on a GPU
+    std::string reason;                     // why not
+};
+
+struct LoadFacts {
+    int cores = 0;                             // online
+    std::optional<double> busy_cores;          // by others than Atrium, over about one second
+    std::vector<std::string> atrium_programs;  // that run, "site_node 1234"
+    std::string governor;
+    std::string governor_preference;             // energy_performance_preference; empty: none
+    double max_ghz = 0.0;                        // of the processor; 0: unknown
+    double capped_ghz = 0.0;                     // that the system allows
+    std::optional<std::uint64_t> num_throttled;  // events in about one second
+    std::optional<double> quota_cores;           // of the control group
+    std::string quota_group;
+    std::optional<std::uint64_t> memory_total;      // [bytes]
+    std::optional<std::uint64_t> memory_available;  // [bytes]
+    std::uint64_t swap_used = 0;                    // [bytes]
+};
+
+struct FolderFacts {
+    std::filesystem::path folder;
+    std::string problem;  // why it cannot be written; empty: it can
+    std::uint64_t free_bytes = 0;
+    double write_mb_per_s = 0.0;  // 0: not measured
+};
+
+struct Certificate {
+    std::filesystem::path file;
+    std::optional<Timestamp> begins;
+    std::optional<Timestamp> ends;
+};
+
+struct KeyFacts {
+    std::filesystem::path folder;
+    bool is_there = false;
+    bool has_openssl = true;
+    std::vector<Certificate> certificates;
+    std::vector<std::filesystem::path> open_keys;  // private keys that others may read
+};
+
+struct SiteCamera {
+    std::string name;
+    std::string serial;
+    std::string address;
+    double megapixels = 0.0;
+    double bytes_per_pixel = 1.0;
+};
+
+/// What the file of a site, world or viewer asks.
+struct Wishes {
+    std::filesystem::path file;  // empty: no file
+    std::string network = "lan";
+    std::string interface;  // empty: none named
+    bool has_peers = false;
+    std::uint32_t domain = 0;
+    std::string source;       // of pictures: simulated, recording, cameras; empty: none
+    std::string rig_problem;  // empty: the rig can be read
+    std::filesystem::path rig;
+    std::filesystem::path recording;
+    bool is_recording_there = true;
+    std::filesystem::path cache;  // kept silhouettes; empty: none
+    double rate_hz = 0.0;
+    int nice = 0;  // process.nice
+    std::vector<SiteCamera> cameras;
+};
+
+struct Roles {
+    bool site = false;
+    bool world = false;
+    bool viewer = false;
+    bool camera = false;
+};
+
+struct Facts {
+    Roles roles;
+    User user;
+    Wishes wishes;
+    std::vector<Program> programs;
+    NetworkFacts network;
+    CameraFacts cameras;
+    ClockFacts clock;
+    GraphicsFacts graphics;
+    LoadFacts load;
+    std::optional<std::uint64_t> realtime_limit;  // RLIMIT_RTPRIO
+    std::optional<std::uint64_t> nice_limit;      // RLIMIT_NICE: 20 less the lowest niceness
+    std::optional<FolderFacts> recordings;
+    std::optional<FolderFacts> cache;
+    std::optional<KeyFacts> keys;
+    Timestamp now;
+};
+
+}  // namespace atrium::doctor

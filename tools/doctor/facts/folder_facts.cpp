@@ -1,0 +1,86 @@
+#include "tools/doctor/facts/collect.hpp"
+
+#include <time.h>
+
+#include <cstring>
+
+namespace atrium::doctor {
+namespace {
+
+constexpr std::size_t kMaxFiles = 256;
+
+// "notAfter=Nov 28 01:00:00 2027 GMT" in the output of openssl.
+std::optional<Timestamp> date_after(const std::string& output, const std::string& key) {
+    for (const std::string& line : lines_of(output)) {
+        if (line.rfind(key + "=", 0) != 0) continue;
+        std::tm date{};
+        const char* text = line.c_str() + key.size() + 1;
+        if (strptime(text, "%b %d %H:%M:%S %Y", &date) == nullptr) return std::nullopt;
+        return Timestamp{std::int64_t{timegm(&date)} * 1'000'000'000};
+    }
+    return std::nullopt;
+}
+
+bool has_suffix(const std::string& name) {
+    for (const char* suffix : {".pem", ".crt", ".cer", ".key"}) {
+        if (name.ends_with(suffix)) return true;
+    }
+    return false;
+}
+
+Certificate examine_certificate(const System& system,
+                                const std::filesystem::path& file,
+                                KeyFacts& keys) {
+    Certificate certificate{file, {}, {}};
+    const auto output =
+        system.run({"openssl", "x509", "-in", file.string(), "-noout", "-startdate", "-enddate"});
+    if (!output) return certificate;
+    constexpr int kNoSuchProgram = 127;
+    if (output->exit_code == kNoSuchProgram) keys.has_openssl = false;
+    certificate.begins = date_after(output->text, "notBefore");
+    certificate.ends = date_after(output->text, "notAfter");
+    return certificate;
+}
+
+}  // namespace
+
+FolderFacts collect_folder(const System& system,
+                           const std::filesystem::path& folder,
+                           std::uint64_t test_bytes) {
+    FolderFacts facts;
+    facts.folder = folder;
+    facts.free_bytes = system.free_bytes(folder).value_or(0);
+    const bool has_room = facts.free_bytes > 2 * test_bytes;
+    const auto speed = system.write_speed(folder, has_room ? test_bytes : 0);
+    if (!speed) {
+        facts.problem = speed.error().message;
+    } else if (has_room) {
+        facts.write_mb_per_s = *speed;
+    }
+    return facts;
+}
+
+KeyFacts collect_keys(const System& system, const std::filesystem::path& folder) {
+    KeyFacts keys;
+    keys.folder = folder;
+    std::error_code error;
+    keys.is_there = std::filesystem::is_directory(folder, error);
+    const System files("/");
+    std::size_t num_files = 0;
+    for (const std::string& name : files.names_in(std::filesystem::absolute(folder).string())) {
+        if (!has_suffix(name) || ++num_files > kMaxFiles) continue;
+        const std::filesystem::path file = folder / name;
+        const std::string path = std::filesystem::absolute(file).string();
+        const auto status = files.status_of(path);
+        if (!status || !S_ISREG(status->st_mode)) continue;
+        const std::string text = files.read(path).value_or("");
+        if (text.find("-----BEGIN CERTIFICATE-----") != std::string::npos)
+            keys.certificates.push_back(examine_certificate(system, file, keys));
+        const bool is_private = text.find("PRIVATE KEY-----") != std::string::npos;
+        if (is_private && (status->st_mode & (S_IRWXG | S_IRWXO)) != 0)
+            keys.open_keys.push_back(file);
+    }
+    return keys;
+}
+
+}  // namespace atrium::doctor
