@@ -289,6 +289,12 @@ Expected<void> check(const SiteNodeConfig& config) {
             "site.name: must be 1 to 63 characters of A-Z a-z 0-9 _ . -, got '{}'", config.name));
     }
     if (auto checked = check(config.capture); !checked) return checked;
+    if ((config.capture.aligned || !config.hosts.empty()) &&
+        (config.capture.every > 1 || config.capture.as_fast_as_possible)) {
+        return wrong(
+            "--every, --rate 0: a site on several hosts, and capture.aligned, play each instant at "
+            "its time");
+    }
     if (config.capture.source == "cameras") {
         if (config.capture.rig.empty())
             return wrong("capture.rig: must be set for cameras: their calibration");

@@ -21,6 +21,10 @@
 
 namespace atrium::camera_node {
 
+/// Learns the empty room of the cameras of this host and writes it to
+/// segmentation.background_folder, instead of a run.
+Expected<void> learn_background(const site_node::SiteNodeConfig& config, std::stop_token stop);
+
 /// The cameras of one host of a site: captures, segments, publishes silhouettes for the model part
 /// and textures for the viewers. `create` does everything that can fail; `run` owns the threads.
 class CameraNode {

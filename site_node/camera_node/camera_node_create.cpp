@@ -55,31 +55,60 @@ Expected<CameraWork::Writers> open_writers(const bus::Participant& participant) 
     return CameraWork::Writers{std::move(*silhouettes), std::move(*textures)};
 }
 
-}  // namespace
+// What this host has to do.
+struct Part {
+    config::Rig rig;  // of the whole site
+    std::string host;
+    std::vector<std::string> cameras;
+};
 
-Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& asked,
-                                                         std::stop_token stop) {
-    if (auto checked = check(asked); !checked) return tl::unexpected(checked.error());
-    if (auto found = check_places(asked); !found) return tl::unexpected(found.error());
-    if (asked.hosts.empty())
-        return make_error(ErrorKind::kConfiguration,
-                          "host: the site's file has no [[host]]: the site is one process, "
-                          "site_node (docs/site_hosts.md)");
-    const auto rig = load_checked_rig(asked);
+Expected<Part> own_part(const SiteNodeConfig& config) {
+    const auto wrong = [](std::string text) {
+        return make_error(ErrorKind::kConfiguration, std::move(text));
+    };
+    if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
+    if (auto found = check_places(config); !found) return tl::unexpected(found.error());
+    if (config.hosts.empty())
+        return wrong(
+            "host: the site's file has no [[host]]: the site is one process, site_node "
+            "(docs/site_hosts.md)");
+    if (!config.preview.empty() || !config.write_silhouettes.empty())
+        return wrong(
+            "--preview, --write-silhouettes: site_node has them, in a site of one process");
+    auto rig = load_checked_rig(config);
     if (!rig) return tl::unexpected(rig.error());
-    SiteNodeConfig config = asked;
-    if (config.threads == 0) config.threads = site_node::default_threads();
     if (auto fits = hosts::check_hosts(config.hosts, *rig, config.name); !fits)
         return tl::unexpected(fits.error());
     if (auto fits = check_areas(config.pipeline, *rig); !fits) return tl::unexpected(fits.error());
     const std::string name = site_node::own_host(config);
     const auto host = hosts::find_host(config.hosts, name);
     if (!host) return tl::unexpected(host.error());
-    const std::vector<std::string> names = hosts::cameras_of(*host, config.hosts, *rig);
-    if (names.empty())
-        return make_error(
-            ErrorKind::kConfiguration,
+    auto cameras = hosts::cameras_of(*host, config.hosts, *rig);
+    if (cameras.empty())
+        return wrong(
             fmt::format("{}: host: '{}' has no cameras: run site_node there", host->place, name));
+    return Part{std::move(*rig), name, std::move(cameras)};
+}
+
+}  // namespace
+
+Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token stop) {
+    const auto part = own_part(config);
+    if (!part) return tl::unexpected(part.error());
+    auto source =
+        site_node::open_aligned_source(config.capture, config.simulation, part->cameras, stop);
+    if (!source) return tl::unexpected(source.error());
+    return site_node::learn_backgrounds(
+        **source, config.pipeline.background, config.pipeline.segmentation, stop);
+}
+
+Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& asked,
+                                                         std::stop_token stop) {
+    const auto part = own_part(asked);
+    if (!part) return tl::unexpected(part.error());
+    const auto& [rig, name, names] = *part;
+    SiteNodeConfig config = asked;
+    if (config.threads == 0) config.threads = site_node::default_threads();
 
     auto participant = bus::Participant::create(config.bus);
     if (!participant) return tl::unexpected(participant.error());
@@ -104,7 +133,7 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
     auto stages = make_stages(**source, config, stop);
     if (!stages) return tl::unexpected(stages.error());
 
-    const std::vector<std::uint32_t> indices = indices_in(*rig, (*source)->rig());
+    const std::vector<std::uint32_t> indices = indices_in(rig, (*source)->rig());
     std::vector<std::unique_ptr<Camera>> cameras;
     for (std::size_t i = 0; i < indices.size(); ++i) {
         // One per camera: Cyclone DDS repairs only one fragmented sample per writer and round trip.
@@ -129,10 +158,13 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
     auto waiter = bus::Waiter::create(*participant);
     if (!waiter) return tl::unexpected(waiter.error());
     waiter->add(*orders);
+    // in the order of the source, which may be another than that of the file
+    std::vector<std::string> own_names;
+    for (const auto& camera : (*source)->rig().cameras) own_names.push_back(camera.name);
     return std::unique_ptr<CameraNode>(new CameraNode(
         config,
         name,
-        names,
+        std::move(own_names),
         std::move(*source),
         std::move(cameras),
         {std::move(*orders), std::move(*answers), std::move(*status), std::move(*waiter)},
