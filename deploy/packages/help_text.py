@@ -71,7 +71,7 @@ def parse(text):
     while at < len(lines):
         line = lines[at]
         following = lines[at + 1] if at + 1 < len(lines) else ""
-        title = re.fullmatch(r"([A-Z][A-Za-z ]*):", line)
+        title = re.fullmatch(r"([A-Z][A-Za-z ,_]*):", line)
         if title and re.match(r"  \S", following) and title.group(1) != "Examples":
             section = Section(title.group(1))
             result.sections.append(section)

@@ -86,7 +86,10 @@ def page(names, whole, parts):
     for name, part in parts.items():
         out += [f".SS {escape(names.command)} {escape(name)}", escape(part.summary), ".PP",
                 f".B {escape(_installed(names, part.usage[0]))}"]
-        out += _entries([entry for section in part.sections for entry in section.entries])
+        for section in part.sections:
+            if section.title not in ("Positionals", "Options"):
+                out += [".PP", escape(f"{section.title}:")]
+            out += _entries(section.entries)
         for title, lines in part.notes:
             is_example = title == "Examples"
             out += [".PP", escape(f"{title}:") if title else ""]
