@@ -23,7 +23,7 @@ atrium ($version) unstable; urgency=medium
 EOF
 
 mkdir -p packages
-rm -f packages/*.deb packages/*.buildinfo packages/*.changes debian/debhelper-build-stamp
+rm -f packages/*.deb packages/*.buildinfo packages/*.changes debian/debhelper-build-stamp debian/files
 # -nc: the build folder build-deb is used again
 log=packages/build.log
 echo "packages: building atrium $version (the first time takes some minutes; $log)"
