@@ -22,8 +22,8 @@ atrium ($version) unstable; urgency=medium
  -- $maintainer  $(LC_ALL=C date -u -R -d "@$seconds")
 EOF
 
-mkdir -p packages
-rm -f packages/*.deb packages/*.buildinfo packages/*.changes debian/debhelper-build-stamp debian/files
+mkdir -p packages/symbols
+rm -f packages/*.deb packages/symbols/*.deb debian/debhelper-build-stamp debian/files
 # -nc: the build folder build-deb is used again
 log=packages/build.log
 echo "packages: building atrium $version (the first time takes some minutes; $log)"
@@ -31,4 +31,6 @@ ATRIUM_PACKAGES=packages DEB_BUILD_OPTIONS="${DEB_BUILD_OPTIONS:-parallel=$(npro
     dpkg-buildpackage --build=binary --no-sign --no-pre-clean --buildinfo-file="packages/atrium_$version.buildinfo" \
     --changes-file="packages/atrium_$version.changes" --buildinfo-option=-upackages --changes-option=-upackages > "$log" 2>&1 ||
     { tail -n 40 "$log" >&2; echo "make_deb: failed; $log has all of it" >&2; exit 1; }
+mv packages/*-dbgsym_*.deb packages/symbols/
+rm -f packages/*.buildinfo packages/*.changes # they are for archives, and name the files where they were
 ls packages/*.deb
