@@ -5,7 +5,7 @@ DEMO_OPTIONS ?=
 RUNS ?= 1
 PATIENCE ?= 120
 
-.PHONY: demo test test-all bench bench-demo instructions format build programs
+.PHONY: deb container demo test test-all bench bench-demo instructions format build programs
 build:
 	deploy/build.sh $(BUILD)
 
@@ -36,6 +36,14 @@ bench-demo: programs
 instructions:
 	TARGETS="programs metaframe_work" deploy/build.sh $(BUILD)
 	bench/instructions.sh $(BUILD)
+
+# packages/*.deb, the Debian packages of this tree: docs/packages.md
+deb:
+	deploy/make_deb.sh
+
+# the image localhost/atrium, by podman, with these packages
+container: deb
+	deploy/make_container.sh
 
 format:
 	git ls-files '*.cpp' '*.hpp' | xargs clang-format -i

@@ -1,5 +1,6 @@
 #!/bin/sh
 # Installs the packages that Atrium needs to build and run, from the archive of Debian 12. Does nothing if all are installed.
+# `install_packages.sh deb` also installs what makes and checks Debian packages (docs/packages.md), and `container` what makes the image.
 set -eu
 
 packages="build-essential cmake ninja-build pkg-config ccache git python3 clang-format
@@ -7,6 +8,13 @@ cyclonedds-dev cyclonedds-tools libeigen3-dev libopencv-dev libdraco-dev libturb
 libglfw3-dev libegl-dev libosmesa6-dev python3-glad libimgui-dev fonts-dejavu-core libcli11-dev libtoml11-dev libspdlog-dev libassimp-dev
 libceres-dev libfmt-dev nlohmann-json3-dev libexpected-dev libaravis-dev libpugixml-dev libgtest-dev libgmock-dev libcgal-dev libbenchmark-dev libx11-dev
 xvfb xauth valgrind faketime"
+for extra in "$@"; do
+    case $extra in
+        deb) packages="$packages debhelper dpkg-dev fakeroot lintian" ;;
+        container) packages="$packages mmdebstrap podman crun netavark" ;;
+        *) echo "packages: unknown argument '$extra'; valid: deb, container" >&2; exit 2 ;;
+    esac
+done
 
 missing=""
 for package in $packages; do

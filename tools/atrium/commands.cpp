@@ -44,8 +44,12 @@ tl::unexpected<Error> unknown_command(const std::string& name, const fs::path& f
 }  // namespace
 
 std::span<const Command> shipped_commands() {
-    static const std::array<Command, 11> commands{
-        {{"demo", "run two simulated rooms, a world server and a viewer on this host"},
+    static const std::array<Command, 15> commands{
+        {{"site", "capture a room and publish the people in it"},
+         {"camera", "run the cameras of one host of a room on several hosts"},
+         {"world", "run the physics of a world"},
+         {"viewer", "show a world in a window, pictures or a video"},
+         {"demo", "run two simulated rooms, a world server and a viewer on this host"},
          {"monitor", "show the programs of a world: rates, latencies, losses"},
          {"calibrate", "make rig.toml, or a recording, from the calibration of another program"},
          {"cameras", "offer a simulated room or a recording as GigE Vision cameras"},
@@ -81,7 +85,8 @@ std::vector<Command> installed_commands(const fs::path& folder) {
 
 std::string help(std::span<const Command> installed) {
     std::string text =
-        "Runs the tools of Atrium: `atrium NAME ...` starts the program `atrium-NAME` beside it.\n"
+        "Runs the programs of Atrium: `atrium NAME ...` starts the program `atrium-NAME` beside "
+        "it.\n"
         "Usage: atrium NAME [OPTIONS]\n"
         "       atrium help [NAME]\n"
         "\nCommands:\n";
@@ -92,8 +97,7 @@ std::string help(std::span<const Command> installed) {
         "\nOptions:\n"
         "  -h,--help   Print this help message and exit\n"
         "  --version   Display program version information and exit\n"
-        "\nsite_node, world_server and viewer are programs of their own; each explains itself with "
-        "--help.\n"
+        "\n`atrium help NAME` explains a command.\n"
         "Exit codes: those of the tool; 2 no such tool or option, 3 the tool is not installed\n";
     return text;
 }

@@ -359,7 +359,7 @@ void declare(DemoConfig& config, config::OptionSet& options) {
 
 Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
     DemoConfig config = given;
-    if (config.programs.empty()) config.programs = app::program_folder();
+    use_installed(config, app::program_folder());
     auto sites = check_start(config);
     if (!sites) return tl::unexpected(sites.error());
     const auto folder = ResultFolder::create(config.output);

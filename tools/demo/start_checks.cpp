@@ -116,6 +116,21 @@ std::vector<std::string> split_list(const std::string& list) {
     return parts;
 }
 
+void use_installed(DemoConfig& config, const fs::path& programs) {
+    if (config.programs.empty()) config.programs = programs;
+    const fs::path installed = programs.parent_path() / "deploy";
+    std::error_code ignored;
+    if (!fs::is_directory(installed, ignored)) return;
+    const DemoConfig usual;
+    const auto replace = [&](fs::path& path, const fs::path& delivered) {
+        if (path == delivered && !fs::exists(path, ignored))
+            path = (installed / path.lexically_relative(usual.deploy)).lexically_normal();
+    };
+    replace(config.world, usual.world);
+    replace(config.viewer, usual.viewer);
+    replace(config.deploy, usual.deploy);
+}
+
 Expected<std::vector<DemoSite>> check_start(const DemoConfig& config) {
     auto sites = read_sites(config);
     if (!sites) return sites;

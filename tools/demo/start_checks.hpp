@@ -19,6 +19,11 @@ struct DemoSite {
 /// Returns the parts of a list separated by commas, without spaces around them.
 std::vector<std::string> split_list(const std::string& list);
 
+/// Completes a configuration that leaves paths as they are by default: `programs`, the folder of
+/// the demo's own program, and, where the current folder has no such files, `deploy`, `world` and
+/// `viewer` of an installation, which are in `deploy` beside that folder.
+void use_installed(DemoConfig& config, const std::filesystem::path& programs);
+
 /// Checks all that the demo needs before it starts anything: the files of sites, world and viewer,
 /// and the programs.
 Expected<std::vector<DemoSite>> check_start(const DemoConfig& config);

@@ -136,6 +136,30 @@ TEST_F(DemoFolder, ReadsTheSitesAndNamesWhatIsMissing) {
     EXPECT_THAT(error_of([](DemoConfig& c) { c.programs = "/no"; }), HasSubstr("make programs"));
 }
 
+TEST_F(DemoFolder, FindsTheFilesOfAnInstallation) {
+    const fs::path before = fs::current_path();
+    fs::create_directories(folder_ / "here");
+    fs::create_directories(folder_ / "installed" / "deploy");
+    fs::current_path(folder_ / "here");
+    const auto completed = [&](DemoConfig config) {
+        use_installed(config, folder_ / "installed" / "bin");
+        return config;
+    };
+    const DemoConfig found = completed({});
+    EXPECT_EQ(found.programs, folder_ / "installed" / "bin");
+    EXPECT_EQ(found.world, folder_ / "installed" / "deploy" / "worlds" / "demo.toml");
+    EXPECT_EQ(found.viewer, folder_ / "installed" / "deploy" / "viewer.toml");
+    EXPECT_EQ(found.deploy / "sites", folder_ / "installed" / "deploy" / "sites");
+    DemoConfig own;
+    own.world = "own.toml";
+    EXPECT_EQ(completed(own).world, "own.toml");
+    fs::create_directories(folder_ / "here" / "deploy");
+    EXPECT_EQ(completed({}).deploy, "deploy") << "the repository's files go first";
+    fs::remove_all(folder_ / "installed" / "deploy");
+    EXPECT_EQ(completed({}).viewer, "deploy/viewer.toml") << "not installed";
+    fs::current_path(before);
+}
+
 TEST_F(DemoFolder, GivesTheViewerTheModelsOfTheWorld) {
     fs::create_directories(folder_ / "own");
     DemoConfig config;
