@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -137,42 +138,71 @@ double hull_ms(const std::vector<hull::SilhouetteView>& views, Executor& executo
     return least;
 }
 
-// Processor time to write and to take one silhouette, in this process.
+double processor_ms() {
+    rusage use{};
+    getrusage(RUSAGE_SELF, &use);
+    return 1e3 * static_cast<double>(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
+           1e-3 * static_cast<double>(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
+}
+
+constexpr int kNumMessages = 1000;
+
+// Takes all silhouettes. Returns the processor time between the first and the last one.
+double take_messages(const bus::BusOptions& options) {
+    auto participant = bus::Participant::create(options);
+    auto reader = bus::Reader<bus::CameraSilhouette>::create(*participant);
+    auto waiter = bus::Waiter::create(*participant);
+    waiter->add(*reader);
+    double first_ms = -1.0;
+    int num_taken = 0;
+    while (num_taken < kNumMessages && waiter->wait(std::chrono::seconds(20))) {
+        reader->take([&](bus::CameraSilhouette&&) {
+            if (first_ms < 0.0) first_ms = processor_ms();
+            ++num_taken;
+        });
+    }
+    return processor_ms() - first_ms;
+}
+
+// Processor time to write one silhouette here and to take it in another process.
 Expected<double> message_ms() {
     bus::BusOptions options;
     options.world = fmt::format("costs-{}", getpid());
+    int result[2] = {};
+    if (pipe(result) != 0) return make_error(ErrorKind::kUnavailable, "no pipe");
+    const pid_t pid = fork();
+    if (pid == 0) {
+        const double taken_ms = take_messages(options);
+        _exit(write(result[1], &taken_ms, sizeof(taken_ms)) == sizeof(taken_ms) ? 0 : 1);
+    }
     auto participant = bus::Participant::create(options);
     if (!participant) return tl::unexpected(participant.error());
     auto writer = bus::Writer<bus::CameraSilhouette>::create(*participant);
-    auto reader = bus::Reader<bus::CameraSilhouette>::create(*participant);
-    auto waiter = bus::Waiter::create(*participant);
     if (!writer) return tl::unexpected(writer.error());
-    if (!reader) return tl::unexpected(reader.error());
-    if (!waiter) return tl::unexpected(waiter.error());
-    waiter->add(*reader);
     bus::CameraSilhouette silhouette;
     silhouette.site = "hall";
     silhouette.host = "left";
     silhouette.contour_sizes = {300};
     silhouette.vertices_px.assign(300, {1.0, 2.0});
-    const auto processor_ms = [] {
-        rusage use{};
-        getrusage(RUSAGE_SELF, &use);
-        return 1e3 * static_cast<double>(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
-               1e-3 * static_cast<double>(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
-    };
-    constexpr int kNum = 500;
+    while (writer->num_readers() == 0) usleep(10'000);
     const double before = processor_ms();
-    for (int i = 0; i < kNum; ++i) {
+    for (int i = 0; i < kNumMessages; ++i) {
         if (auto written = writer->write(silhouette); !written)
             return tl::unexpected(written.error());
-        waiter->wait(std::chrono::seconds(1));
-        reader->take([](bus::CameraSilhouette&&) {});
+        usleep(2'000);
     }
-    return (processor_ms() - before) / kNum;
+    const double written_ms = processor_ms() - before;
+    double taken_ms = 0.0;
+    const bool is_told = read(result[0], &taken_ms, sizeof(taken_ms)) == sizeof(taken_ms);
+    waitpid(pid, nullptr, 0);
+    if (!is_told) return make_error(ErrorKind::kInternal, "the reader of silhouettes failed");
+    return (written_ms + taken_ms) / kNumMessages;
 }
 
 int run() {
+    // first: it forks, which goes badly with threads
+    const auto message = message_ms();
+    if (!message) return fmt::print(stderr, "{}\n", message.error().message), 1;
     std::vector<PictureCosts> costs;
     for (const int side_px : {560, 1000, 1440}) {
         const auto measured = measure_pictures(side_px);
@@ -210,9 +240,12 @@ int run() {
     const Line growth = fit(log_views, log_us);
     ThreadPool two(2);
     const auto scene = person_views(16, 250);
-    const double speed_up = hull_ms(scene, serial) / hull_ms(scene, two);
-    const auto message = message_ms();
-    if (!message) return fmt::print(stderr, "{}\n", message.error().message), 1;
+    double one_ms = std::numeric_limits<double>::infinity();
+    double two_ms = one_ms;
+    for (int round = 0; round < 6; ++round) {  // in turn: a disturbance meets both
+        one_ms = std::min(one_ms, hull_ms(scene, serial));
+        two_ms = std::min(two_ms, hull_ms(scene, two));
+    }
 
     fmt::print(
         "[picture]  # one person whom the camera sees whole; mp: megapixels of the picture\n");
@@ -227,7 +260,7 @@ int run() {
                table);
     fmt::print("us_per_segment = {:.4f}\n", std::exp(growth.fixed));
     fmt::print("power = {:.3f}\n", growth.slope);
-    fmt::print("two_threads = {:.2f}  # times as fast as one\n\n", speed_up);
+    fmt::print("two_threads = {:.2f}  # times as fast as one\n\n", one_ms / two_ms);
     fmt::print("[mesh]\n");
     fmt::print("triangles_per_segment = {:.2f}\n", costs[1].triangles_per_segment);
     fmt::print("ms_per_ktriangle = {:.3f}\n", costs[1].mesh_ms_per_ktriangle);
