@@ -110,13 +110,14 @@ def measure(network, options, folder, with_hosts):
         for each in programs:
             each.wait(timeout=30)
     site_first, site_last = program(first, "site"), program(last, "site")
+    between_s = 1e-9 * (last["time_ns"] - first["time_ns"])
     viewer = program(last, "viewer")
     nodes = [p for p in last["programs"] if p["kind"] == "camera_node"]
     figures = {
         "hosts": with_hosts,
         "seconds": lasted,
         "busy": used["others"],
-        "metaframes_per_s": (count(site_last, "work", "metaframes_published") - count(site_first, "work", "metaframes_published")) / lasted,
+        "metaframes_per_s": (count(site_last, "work", "metaframes_published") - count(site_first, "work", "metaframes_published")) / between_s,
         "dropped": sum(
             count(site_last, "losses", what) - count(site_first, "losses", what)
             for what in ("dropped_incomplete", "dropped_late", "pictures_missing", "failed")

@@ -48,6 +48,7 @@ Expected<SitePlan> make(const Options& options) {
     set.read_file(*reader);
     site_node::read_tables(*reader, config);
     if (auto done = reader->finish(); !done) return tl::unexpected(done.error());
+    const int num_threads = config.threads;  // before 0 becomes that of this host
     site_node::resolve(config);
     if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
     if (auto found = check_places(config); !found) return tl::unexpected(found.error());
@@ -64,6 +65,7 @@ Expected<SitePlan> make(const Options& options) {
     input.rate_hz = options.rate_hz > 0.0 ? options.rate_hz : rig->rate_hz;
     input.rig = std::move(*rig);
     input.hosts = config.hosts;
+    input.num_threads = num_threads;
     input.num_viewers = options.num_viewers;
     input.are_live = config.capture.source == "cameras";
     input.costs = std::move(*costs);

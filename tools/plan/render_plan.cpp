@@ -35,9 +35,11 @@ std::string plan_text(const SitePlan& plan, const std::optional<SimulationResult
                                    plan.hosts.size() == 1 ? "" : "s");
     for (const HostPlan& host : plan.hosts) {
         text +=
-            fmt::format("\n{}  ({} cores{})\n",
+            fmt::format("\n{}  ({} cores, {} thread{}{})\n",
                         host.name,
                         host.cores,
+                        host.threads,
+                        host.threads == 1 ? "" : "s",
                         host.speed == 1.0 ? "" : fmt::format(", {:.2f} times as fast", host.speed));
         for (const std::string& program : host.programs) text += "  runs     " + program + "\n";
         text += "  cameras  " + cameras_text(host) + "\n";
@@ -87,6 +89,7 @@ std::string plan_json(const SitePlan& plan, const std::optional<SimulationResult
             stages[stage.name] = {{"work_ms", stage.work_ms}, {"lasts_ms", stage.lasts_ms}};
         out["hosts"].push_back({{"name", host.name},
                                 {"cores", host.cores},
+                                {"threads", host.threads},
                                 {"speed", host.speed},
                                 {"model", host.is_model},
                                 {"cameras", host.cameras},

@@ -14,6 +14,7 @@ namespace {
 /// Some cores with a queue: the oldest metaframe goes first.
 struct Cores {
     struct Task {
+        std::size_t host = 0;
         std::int64_t instant = 0;
         double work_ms = 0.0;
         std::function<void()> done;
@@ -37,6 +38,7 @@ public:
         }
         if (options.shared_cores > 0) cores_.emplace_back().num_free = options.shared_cores;
         newest_.resize(num_cameras_, -1);
+        num_running_.resize(plan.hosts.size(), 0);
     }
 
     SimulationResult run() {
@@ -81,8 +83,10 @@ private:
         events_.push({time_ms, num_events_++, std::move(what)});
     }
     Cores& cores_of(std::size_t host) { return cores_[options_.shared_cores > 0 ? 0 : host]; }
+    // of one program, however many share its cores
     int threads_of(std::size_t host) const {
-        return options_.shared_cores > 0 ? options_.shared_cores : plan_.hosts[host].cores;
+        return options_.shared_cores > 0 ? threads_on(plan_.input, options_.shared_cores)
+                                         : plan_.hosts[host].threads;
     }
     double varied(double work_ms) {
         return work_ms * std::lognormal_distribution<>(0.0, options_.spread)(random_);
@@ -94,20 +98,29 @@ private:
         return 0.0;
     }
 
-    void add(std::size_t host, Cores::Task task) {
-        Cores& cores = cores_of(host);
+    void add(Cores::Task task) {
+        Cores& cores = cores_of(task.host);
         const std::int64_t instant = task.instant;
         cores.waiting.emplace(instant, std::move(task));
         begin_tasks(cores);
     }
     void begin_tasks(Cores& cores) {
-        while (cores.num_free > 0 && !cores.waiting.empty()) {
-            Cores::Task task = std::move(cores.waiting.extract(cores.waiting.begin()).mapped());
+        for (auto next = cores.waiting.begin();
+             cores.num_free > 0 && next != cores.waiting.end();) {
+            const std::size_t host = next->second.host;
+            if (num_running_[host] >= threads_of(host)) {
+                ++next;
+                continue;
+            }
+            Cores::Task task = std::move(next->second);
+            next = cores.waiting.erase(next);
             if (task.begin && !task.begin()) continue;
             --cores.num_free;
+            ++num_running_[host];
             cores.busy_ms += task.work_ms;
-            at(now_ms_ + task.work_ms, [this, &cores, done = std::move(task.done)] {
+            at(now_ms_ + task.work_ms, [this, &cores, host, done = std::move(task.done)] {
                 ++cores.num_free;
+                --num_running_[host];
                 done();
                 begin_tasks(cores);
             });
@@ -122,13 +135,13 @@ private:
                 newest_[camera] = instant;
                 const double own_ms =
                     varied((work_ms(h, "silhouettes") + work_ms(h, "messages")) / num);
-                add(h,
-                    {instant,
+                add({h,
+                     instant,
                      own_ms,
                      [this, h, instant, num] {
                          at(now_ms_ + (plan_.hosts.size() > 1 ? kWay_ms : 0.0),
                             [this, instant] { arrive(instant); });
-                         add(h, {instant, varied(work_ms(h, "textures") / num), [] {}, {}});
+                         add({h, instant, varied(work_ms(h, "textures") / num), [] {}, {}});
                      },
                      [this, camera, instant] { return newest_[camera] == instant; }});
             }
@@ -150,14 +163,14 @@ private:
         const int threads = threads_of(model_);
         const double hull_ms = varied(work_ms(model_, "hull"));
         const double serial = std::clamp(2.0 / plan_.input.costs.hull_two_threads - 1.0, 0.0, 1.0);
-        add(model_,
-            {instant,
+        add({model_,
+             instant,
              serial * hull_ms,
              [this, instant, threads, hull_ms, serial] {
                  num_parts_ = threads;
                  for (int i = 0; i < threads; ++i)
-                     add(model_,
-                         {instant,
+                     add({model_,
+                          instant,
                           (1.0 - serial) * hull_ms / threads,
                           [this, instant] { end_part(instant); },
                           {}});
@@ -166,8 +179,8 @@ private:
     }
     void end_part(std::int64_t instant) {
         if (--num_parts_ > 0) return;
-        add(model_,
-            {instant,
+        add({model_,
+             instant,
              varied(work_ms(model_, "mesh")),
              [this, instant] {
                  latencies_ms_.push_back(now_ms_ - static_cast<double>(instant) * period_ms_);
@@ -188,6 +201,7 @@ private:
     std::size_t model_ = 0;
     std::size_t num_cameras_ = 0;
     std::vector<std::int64_t> newest_;  // per camera
+    std::vector<int> num_running_;      // tasks of each host
     std::map<std::int64_t, std::size_t> num_arrived_;
     std::int64_t next_ = -1;
     bool is_model_busy_ = false;

@@ -28,7 +28,6 @@ struct Sums {
     double texture_bytes = 0.0;
     double segments = 0.0;
     double camera_bytes = 0.0;
-    double longest_silhouette_ms = 0.0;
     std::size_t num = 0;
 
     double silhouette_bytes() const {
@@ -41,9 +40,7 @@ Sums sums_of(const PlanInput& input, const std::vector<std::string>& names) {
     for (const geometry::CalibratedCamera& camera : input.rig.cameras) {
         if (std::ranges::find(names, camera.name) == names.end()) continue;
         const double mp = megapixels(camera);
-        const double silhouette_ms = input.costs.silhouette_ms.of(mp);
-        sums.silhouette_ms += silhouette_ms;
-        sums.longest_silhouette_ms = std::max(sums.longest_silhouette_ms, silhouette_ms);
+        sums.silhouette_ms += input.costs.silhouette_ms.of(mp);
         sums.texture_ms += input.costs.texture_ms.of(mp);
         sums.texture_bytes += input.costs.texture_bytes.of(mp);
         sums.segments += input.costs.segments.of(std::sqrt(mp));
@@ -76,11 +73,13 @@ void find_problems(const HostPlan& host, double rate_hz, std::vector<std::string
     for (const Stage& stage : host.stages) {
         if (stage.lasts_ms <= period_ms) continue;
         problems.push_back(fmt::format(
-            "host {}: {} of a metaframe lasts {:.0f} ms on all its cores, the period is {:.1f} ms: "
+            "host {}: {} of a metaframe lasts {:.0f} ms with {} thread{}, the period is {:.1f} ms: "
             "{:.0f} metaframes/s at most{}",
             host.name,
             stage.name,
             stage.lasts_ms,
+            host.threads,
+            host.threads == 1 ? "" : "s",
             period_ms,
             1e3 / stage.lasts_ms,
             stage.name == "hull" ? ". Use [[hull.region]] with fewer cameras each, or fewer cameras"
@@ -104,6 +103,10 @@ void find_problems(const HostPlan& host, double rate_hz, std::vector<std::string
 }
 
 }  // namespace
+
+int threads_on(const PlanInput& input, int cores) {
+    return input.num_threads > 0 ? input.num_threads : std::max(1, cores - 1);
+}
 
 SitePlan make_plan(PlanInput input) {
     SitePlan plan;
@@ -129,21 +132,21 @@ SitePlan make_plan(PlanInput input) {
         HostPlan host;
         host.name = entry.name;
         host.cores = entry.cores;
+        host.threads = threads_on(input, entry.cores);
         host.speed = entry.score > 0.0 && costs.score > 0.0 ? entry.score / costs.score : 1.0;
         host.is_model = entry.is_model;
         host.cameras = hosts::cameras_of(entry, entries, input.rig);
         host.link_mbit_per_s = 1e3 * entry.link_gbit_per_s;
         const Sums own = sums_of(input, host.cameras);
         const auto on = [&](double work_ms) { return work_ms / host.speed; };
-        const auto over_cores = [&](double work_ms, double longest_ms) {
-            return std::max(work_ms / host.cores, longest_ms);
-        };
+        // cameras after each other on each thread
+        const auto rounds = std::ceil(static_cast<double>(own.num) / host.threads);
         if (own.num > 0) {
             const double silhouettes = on(own.silhouette_ms);
-            const double lasts = over_cores(silhouettes, on(own.longest_silhouette_ms));
+            const double lasts = rounds * silhouettes / static_cast<double>(own.num);
             host.stages.push_back({"silhouettes", silhouettes, lasts});
             const double textures = on(own.texture_ms);
-            host.stages.push_back({"textures", textures, textures / host.cores});
+            host.stages.push_back({"textures", textures, textures / host.threads});
             if (!is_one_process) {
                 const double messages = on(costs.message_ms * static_cast<double>(own.num) / 2.0);
                 host.stages.push_back({"messages", messages, messages / host.cores});
@@ -158,7 +161,7 @@ SitePlan make_plan(PlanInput input) {
         }
         if (host.is_model) {
             const double hull = on(costs.hull_ms(all.num, all.segments, 1));
-            const double lasts = on(costs.hull_ms(all.num, all.segments, host.cores));
+            const double lasts = on(costs.hull_ms(all.num, all.segments, host.threads));
             host.stages.push_back({"hull", hull, lasts});
             const double mesh = on(1e-3 * costs.mesh_ms_per_ktriangle * triangles);
             host.stages.push_back({"mesh", mesh, mesh});

@@ -17,6 +17,7 @@ struct PlanInput {
     config::Rig rig;
     double rate_hz = 30.0;
     std::vector<hosts::HostEntry> hosts;  // checked; empty: one process does all
+    int num_threads = 0;                  // site.threads; 0: all cores of a host but one
     int num_viewers = 1;
     bool are_live = false;  // cameras on a network, whose pictures a link carries
     Costs costs;
@@ -32,6 +33,7 @@ struct Stage {
 struct HostPlan {
     std::string name;
     int cores = 1;
+    int threads = 1;     // that work on pictures and hulls
     double speed = 1.0;  // of one core, relative to the machine of the costs
     std::vector<std::string> cameras;
     bool is_model = false;
@@ -54,6 +56,9 @@ struct SitePlan {
     std::vector<std::string> problems;     // what does not fit, with a cure
     std::vector<std::string> assumptions;  // by which it is computed
 };
+
+/// The threads that a program of a host with so many cores uses.
+int threads_on(const PlanInput& input, int cores);
 
 /// Predicts each stage from `costs`. A host fits if it has a third of its cores and links to spare:
 /// people move, and so do costs.

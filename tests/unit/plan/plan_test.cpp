@@ -33,8 +33,8 @@ TEST(Plan, AddsUpTheWorkOfEachHost) {
     // textures to the viewer, silhouettes to the model part
     EXPECT_NEAR(node.out_mbit_per_s, 8e-6 * 10 * (4 * 10000 + 4 * (16 * 300 + 330)), 1e-9);
     EXPECT_NEAR(model.in_mbit_per_s, 8e-6 * 10 * 16 * (16 * 300 + 330), 1e-9);
-    // two silhouettes after each other on each core, the way, the hull on four cores, the mesh
-    EXPECT_NEAR(plan.latency_ms, 2.0 + 0.3 + 38.4 / 4 + 1.92, 1e-9);
+    // four silhouettes on three threads, one core less than there are; the way, the hull, the mesh
+    EXPECT_NEAR(plan.latency_ms, 2 * 2.0 + 0.3 + 38.4 / 3 + 1.92, 1e-9);
     EXPECT_THAT(plan.problems, IsEmpty());
 }
 
@@ -65,8 +65,8 @@ TEST(Plan, NamesWhatDoesNotFitAndTheCure) {
     EXPECT_EQ(problems(an_input(16, 4, 30.0)), "");
     // 64 views: 0.5 us * 64 * 19200 = 614 ms
     EXPECT_THAT(problems(an_input(64, 16, 30.0)),
-                HasSubstr("host hull: hull of a metaframe lasts 154 ms on all its cores, the "
-                          "period is 33.3 ms: 7 metaframes/s at most. Use [[hull.region]]"));
+                HasSubstr("host hull: hull of a metaframe lasts 205 ms with 3 threads, the period "
+                          "is 33.3 ms: 5 metaframes/s at most. Use [[hull.region]]"));
     PlanInput weak = an_input(8, 1, 60.0);
     weak.hosts[0].cores = 1;
     EXPECT_THAT(problems(weak), HasSubstr("host node0: its work takes 149 % of its 1 cores"));
@@ -83,7 +83,7 @@ TEST(Plan, ShowsAllInTextAndJson) {
     const SitePlan plan = make_plan(an_input(4, 1, 30.0));
     const std::string text = plan_text(plan, SimulationResult{29.9, 0.01, 12.5, 20.25, {0.5}});
     for (const char* part : {"site hall: 4 cameras at 30/s on 2 hosts",
-                             "node0  (4 cores)",
+                             "node0  (4 cores, 3 threads)",
                              "runs     camera_node --config FILE --host node0",
                              "4 cameras: cam0 cam1 cam2 cam3",
                              "no cameras",

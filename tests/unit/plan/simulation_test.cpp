@@ -22,7 +22,7 @@ TEST(PlanSimulation, WithTimeToSpareNothingWaits) {
 }
 
 TEST(PlanSimulation, TooMuchWorkDropsMetaframesAndKeepsTheAge) {
-    // the hull takes 38.4 ms, 9.6 on four cores; 4 of 1 core
+    // the hull takes 38.4 ms on one core
     PlanInput input = an_input(16, 4, 60.0);
     input.hosts.back().cores = 1;
     const SimulationResult result = simulate(make_plan(input), {.spread = 0.0});
@@ -30,6 +30,14 @@ TEST(PlanSimulation, TooMuchWorkDropsMetaframesAndKeepsTheAge) {
     EXPECT_NEAR(result.dropped, 1.0 - result.metaframes_per_s / 60.0, 0.02);
     // it waits for at most one other metaframe
     EXPECT_LT(result.p99_ms, 2.0 * (38.4 + 1.92) + 10.0);
+}
+
+TEST(PlanSimulation, AProgramUsesItsThreadsOnly) {
+    PlanInput input = an_input(16, 4, 10.0);
+    input.num_threads = 1;
+    const SimulationResult result = simulate(make_plan(input), {.spread = 0.0});
+    // four silhouettes after each other, then the whole hull
+    EXPECT_NEAR(result.median_ms, 4 * 2.1 + 0.3 + 38.4 + 1.92, 0.5);
 }
 
 TEST(PlanSimulation, SharedCoresAreShared) {
