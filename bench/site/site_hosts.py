@@ -151,7 +151,13 @@ def middle(runs, get):
     return statistics.median(get(one) for one in runs)
 
 
-def write_page(options, runs, origin):
+def predicted(build, site):
+    """What `atrium plan` says of all hosts on the cores of this machine; without the world server and the viewer."""
+    command = [f"{build}/bin/plan", site, "--simulate", "--shared-cores", str(machine.num_cores()), "--json"]
+    return json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout)["simulation"]
+
+
+def write_page(options, runs, predictions, origin):
     one = [figures for figures in runs if not figures["hosts"]]
     several = [figures for figures in runs if figures["hosts"]]
     columns = ("one process", one), ("several hosts", several)
@@ -168,6 +174,8 @@ def write_page(options, runs, origin):
     lines = ["| | one process | several hosts |", "|---|---|---|"]
     for name, get, form in rows:
         lines.append(f"| {name} | " + " | ".join(form.format(middle(part, get)) for _, part in columns) + " |")
+    for name, key in ("predicted by `atrium plan`, median [ms]", "median_ms"), ("predicted, p99 [ms]", "p99_ms"):
+        lines.append(f"| {name} | " + " | ".join(f"{one[key]:.1f}" for one in predictions) + " |")
     for host in HOSTS:
         cells = []
         for _, part in columns:
@@ -206,14 +214,15 @@ def main():
             for with_hosts in (False, True):
                 runs.append(measure(network, options, folder, with_hosts))
                 print(text_of(runs[-1]), flush=True)
+        predictions = [predicted(options.build, site) for site in (os.path.join(folder, "one.toml"), SITE)]
     short, is_changed = machine.commit()
     origin = (
         f"{machine.today():%Y-%m-%dT%H:%MZ}, commit {short}{' and changes' if is_changed else ''}, {machine.name()}, "
         f"{machine.num_cores()} cores, machine score {score['one_core']['score']:.1f}, {options.seconds:.0f} s, medians of {options.runs} runs each"
     )
     with open(options.out, "w", encoding="utf-8") as file:
-        json.dump({"origin": origin, "runs": runs}, file, indent=1)
-    write_page(options, runs, origin)
+        json.dump({"origin": origin, "runs": runs, "predictions": predictions}, file, indent=1)
+    write_page(options, runs, predictions, origin)
     print(f"kept in {options.out}")
 
 
