@@ -78,8 +78,7 @@ int run(int argc, char** argv) {
         "Says which host of a site runs what, how much work that is, and where it does not fit.",
         "atrium plan");
     cli.add_option(
-           "FILE", options.file, "the site's file, with [[host]] for a site on several hosts")
-        ->required();
+        "FILE", options.file, "the site's file, with [[host]] for a site on several hosts");
     cli.add_option("--viewers", options.num_viewers, "viewers that receive the textures (1)")
         ->check(CLI::Range(0, 1000));
     cli.add_option("--rate", options.rate_hz, "metaframes per second; as the file says without it")
@@ -105,6 +104,9 @@ int run(int argc, char** argv) {
         return cli.exit(error) == 0 ? 0 : 2;
     }
     app::log::set_program("plan");
+    // not required: CLI11 would say that before it names an unknown option
+    if (options.file.empty())
+        return app::fail({ErrorKind::kConfiguration, "FILE is missing: the site's file"});
     app::log::set_level(app::log::Level::kWarn);
     const auto plan = make(options);
     if (!plan) return app::fail(plan.error());

@@ -39,7 +39,7 @@ struct Options {
 };
 
 void declare(CLI::App& command, Options& options, Command which) {
-    command.add_option("FILE", options.file, "the site's file, with [[host]]")->required();
+    command.add_option("FILE", options.file, "the site's file, with [[host]]");
     command.add_option("--only", options.only, "these hosts only");
     command.add_option(
         "--ssh",
@@ -115,7 +115,7 @@ int run(int argc, char** argv) {
         "Runs the programs of a site on all its hosts, over SSH. Files are in ~/.atrium/SITE "
         "there.",
         "site_control");
-    cli.require_subcommand(1);
+    cli.require_subcommand(0, 1);
     cli.set_version_flag("--version", "site_control " + app::version());
     cli.footer(
         "examples:\n"
@@ -137,6 +137,9 @@ int run(int argc, char** argv) {
     app::log::set_level(app::log::Level::kWarn);
     for (const Named& named : kCommands) {
         if (!cli.got_subcommand(named.name)) continue;
+        // not required: CLI11 would say that before it names an unknown option
+        if (options.file.empty())
+            return app::fail({ErrorKind::kConfiguration, "FILE is missing: the site's file"});
         const auto prepared = prepare(options, named.command);
         if (!prepared) return app::fail(prepared.error());
         const bool is_good = control(*prepared, [](const std::string& line) {
@@ -145,7 +148,7 @@ int run(int argc, char** argv) {
         });
         return is_good ? 0 : 1;
     }
-    return 2;
+    return app::fail({ErrorKind::kConfiguration, "a command is missing: up, down, status or logs"});
 }
 
 }  // namespace

@@ -283,8 +283,7 @@ TEST(SiteConfig, OfEveryDeliveredSiteIsValid) {
         config::OptionSet set;
         declare(config, set);
         set.read_file(*reader);
-        read_hull(*reader, config);
-        read_cameras(*reader, config.capture.cameras);
+        read_tables(*reader, config);
         const auto read = reader->finish();
         ASSERT_TRUE(read) << read.error().message;
         if (config.capture.source == "recording") continue;  // the user chooses the recording
