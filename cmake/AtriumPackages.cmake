@@ -20,7 +20,7 @@ function(atrium_command name program package)
     install(TARGETS ${program} RUNTIME DESTINATION ${atrium_bin} COMPONENT ${package})
     _atrium_install_link(${program} ${atrium_bin}/${command} ${package})
     _atrium_install_link(../lib/atrium/bin/${program} bin/${command} ${package})
-    _atrium_manual(${command} ${program} ${package})
+    _atrium_manual(${command} ${program} ${package} ${link})
     foreach(unit ${ARGN})
         install(FILES deploy/units/${unit} DESTINATION ${ATRIUM_HOST_LIB}/systemd/system COMPONENT ${package})
     endforeach()
@@ -35,7 +35,7 @@ function(_atrium_install_link to path package)
 endfunction()
 
 # Runs the program, so builds with sanitizers do without.
-function(_atrium_manual command program package)
+function(_atrium_manual command program package link)
     if(ATRIUM_SANITIZE)
         return()
     endif()
@@ -51,8 +51,9 @@ function(_atrium_manual command program package)
         install(FILES ${completion} DESTINATION share/bash-completion/completions RENAME ${command} COMPONENT ${package})
     endif()
     add_custom_command(OUTPUT ${files}
-        COMMAND Python3::Interpreter ${folder}/make_manual.py --program $<TARGET_FILE:${program}> --command ${command} ${outputs}
-        DEPENDS ${program} ${scripts} $<$<STREQUAL:${program},atrium>:atrium_commands>)
+        COMMAND Python3::Interpreter ${folder}/make_manual.py --program ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/${command} --command ${command}
+            ${outputs}
+        DEPENDS ${program} ${scripts} ${link} $<$<STREQUAL:${program},atrium>:atrium_commands>)
     set_property(GLOBAL APPEND PROPERTY atrium_manuals ${files})
     install(FILES ${page} DESTINATION share/man/man1 COMPONENT ${package})
 endfunction()
@@ -84,7 +85,7 @@ add_dependencies(programs atrium_commands)
 
 install(TARGETS atrium RUNTIME DESTINATION ${atrium_bin} COMPONENT atrium-common)
 _atrium_install_link(../lib/atrium/bin/atrium bin/atrium atrium-common)
-_atrium_manual(atrium atrium atrium-common)
+_atrium_manual(atrium atrium atrium-common "")
 get_property(atrium_manuals GLOBAL PROPERTY atrium_manuals)
 add_custom_target(manuals ALL DEPENDS ${atrium_manuals})
 

@@ -20,6 +20,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::chrono::seconds kBetweenAttempts{1};
+
 std::size_t index_of(const std::string& key) {
     std::size_t index = 0;
     std::from_chars(key.data(), key.data() + key.size(), index);
@@ -40,6 +42,8 @@ CameraNode::CameraNode(site_node::SiteNodeConfig config,
                        std::unique_ptr<capture::FrameSource> source,
                        std::vector<std::unique_ptr<Camera>> cameras,
                        Bus bus,
+                       std::unique_ptr<hosts::ClockEpoch> clock_epoch,
+                       std::uint64_t source_epoch,
                        std::shared_ptr<site_node::RunControl> run_control,
                        std::unique_ptr<presence::Membership> membership)
     : config_(std::move(config)),
@@ -48,6 +52,8 @@ CameraNode::CameraNode(site_node::SiteNodeConfig config,
       source_(std::move(source)),
       cameras_(std::move(cameras)),
       bus_(std::move(bus)),
+      clock_epoch_(std::move(clock_epoch)),
+      source_epoch_(source_epoch),
       run_control_(std::move(run_control)),
       membership_(std::move(membership)),
       workers_("work",
@@ -79,8 +85,8 @@ Expected<void> CameraNode::run(std::stop_token stop) {
                    total.num_dropped_late,
                    total.num_failed,
                    atrium::status::process_fields(total.processor, total.first_output_s));
-    for (const capture::CameraCounters& counters : source_->camera_counters()) {
-        if (source_->is_live() || has_faults(counters))
+    for (const capture::CameraCounters& counters : camera_counters()) {
+        if (config_.capture.source == "cameras" || has_faults(counters))
             app::log::info("camera {}", to_line(counters));
     }
     return run_control_->result();
@@ -94,22 +100,43 @@ void CameraNode::capture(std::stop_token stop) {
         app::log::warn(
             "clock_was_set step_ms={:.1f} reason=\"the clock of this host was set: "
             "capturing begins again\"",
-            milliseconds(clock_epoch_.last_step()));
-        // what sources learned of the times of cameras no longer holds
+            milliseconds(clock_epoch_->last_step()));
+        if (auto opened = open_source_anew(stop); !opened) return run_control_->finish(opened);
+    }
+}
+
+// What a source learned of the times of its cameras does not hold after the clock was set.
+Expected<void> CameraNode::open_source_anew(std::stop_token stop) {
+    {
+        // before the new one: it would find its cameras in use
+        const std::lock_guard lock(source_mutex_);
+        source_.reset();
+    }
+    std::mutex mutex;
+    std::condition_variable_any wake;
+    while (true) {
+        source_epoch_ = clock_epoch_->current();
         auto opened = site_node::open_aligned_source(
             config_.capture, config_.simulation, camera_names_, stop);
-        if (!opened) return run_control_->finish(tl::unexpected(opened.error()));
-        const std::lock_guard lock(source_mutex_);
-        source_ = std::move(*opened);
+        if (opened) {
+            const std::lock_guard lock(source_mutex_);
+            source_ = std::move(*opened);
+            return {};
+        }
+        if (opened.error().kind == ErrorKind::kConfiguration || stop.stop_requested())
+            return tl::unexpected(opened.error());
+        complaints_.warn("cameras are not back: " + opened.error().message);
+        std::unique_lock lock(mutex);
+        wake.wait_for(lock, stop, kBetweenAttempts, [] { return false; });
     }
 }
 
 Expected<void> CameraNode::capture_until_clock_is_set(std::stop_token stop, bool& was_set) {
-    const std::uint64_t epoch = clock_epoch_.current();
+    const std::uint64_t epoch = source_epoch_;
     std::stop_source end;
     const std::stop_callback pass_on(stop, [&] { end.request_stop(); });
     return source_->run(end.get_token(), [&](capture::CameraFrame frame) {
-        if (clock_epoch_.current() != epoch) {
+        if (clock_epoch_->current() != epoch) {
             was_set = true;
             end.request_stop();
             return;
@@ -121,20 +148,20 @@ Expected<void> CameraNode::capture_until_clock_is_set(std::stop_token stop, bool
         if (!replaced) return;
         if (!replaced->frame.is_lost()) ++num_dropped_;
         const std::lock_guard lock(cameras_[camera]->mutex);
-        cameras_[camera]->dropped.push_back(replaced->frame.capture_time);
+        cameras_[camera]->dropped.push_back({replaced->frame.capture_time, replaced->clock_epoch});
     });
 }
 
 void CameraNode::work_on(const std::string& key, Picture picture) {
     Camera& camera = *cameras_[index_of(key)];
-    std::vector<Timestamp> dropped;
+    std::vector<DroppedPicture> dropped;
     {
         const std::lock_guard lock(camera.mutex);
         dropped.swap(camera.dropped);
     }
-    for (const Timestamp time : dropped) {
+    for (const auto& [time, epoch] : dropped) {
         // nobody needs to wait for them
-        if (const auto lost = camera.work->publish_lost(time, picture.clock_epoch); !lost)
+        if (const auto lost = camera.work->publish_lost(time, epoch); !lost)
             complaints_.warn("not published: " + lost.error().message);
     }
     const bool is_lost = picture.frame.is_lost();
@@ -163,11 +190,11 @@ void CameraNode::follow_orders(std::stop_token stop) {
     const std::stop_callback wake(stop, [this] { bus_.waiter.wake(); });
     while (!stop.stop_requested()) {
         bus_.waiter.wait(kPatience);
-        const std::uint64_t epoch = clock_epoch_.current();
-        const Timestamp received = Timestamp::now();
+        const std::uint64_t epoch = clock_epoch_->current();
         bus_.orders.take([&](bus::SiteOrders&& orders) {
             if (orders.site != config_.name) return;
-            answer(orders, received, epoch);
+            // not earlier: an order may come between this and the look
+            answer(orders, Timestamp::now(), epoch);
             const std::lock_guard lock(orders_mutex_);
             orders_ = std::move(orders);
         });
@@ -177,7 +204,7 @@ void CameraNode::follow_orders(std::stop_token stop) {
 void CameraNode::answer(const bus::SiteOrders& orders, Timestamp received, std::uint64_t epoch) {
     const bus::ClockAnswer answer{
         config_.name, host_, orders.number, orders.asked, received, Timestamp::now(), epoch};
-    if (clock_epoch_.current() != epoch) return;  // set in between: the times do not compare
+    if (clock_epoch_->current() != epoch) return;  // set in between: the times do not compare
     if (const auto written = bus_.answers.write(answer); !written)
         complaints_.warn("not answered: " + written.error().message);
 }
@@ -218,6 +245,19 @@ void CameraNode::report_status(std::stop_token stop) {
     }
 }
 
+// Those of all cameras, also while the source is opened anew.
+std::vector<capture::CameraCounters> CameraNode::camera_counters() const {
+    std::shared_ptr<capture::FrameSource> source;
+    {
+        const std::lock_guard lock(source_mutex_);
+        source = source_;
+    }
+    if (source != nullptr) return source->camera_counters();
+    std::vector<capture::CameraCounters> away;
+    for (const std::string& name : camera_names_) away.emplace_back().name = name;
+    return away;
+}
+
 bus::CameraNodeStatus CameraNode::status() const {
     bus::CameraNodeStatus status;
     status.site = config_.name;
@@ -238,13 +278,8 @@ bus::CameraNodeStatus CameraNode::status() const {
         status.capture_to_silhouette = {q.median_ms, q.p99_ms, q.num_samples};
     }
     status.resident_bytes = app::resident_bytes();
-    std::shared_ptr<capture::FrameSource> source;
-    {
-        const std::lock_guard lock(source_mutex_);
-        source = source_;
-    }
     for (const auto& camera : cameras_) status.camera_indices.push_back(camera->index);
-    status.cameras = site_node::camera_statuses(source->camera_counters());
+    status.cameras = site_node::camera_statuses(camera_counters());
     status.first_output_s = first_output_s_;
     const presence::KernelClock clock = presence::kernel_clock();
     status.is_clock_synchronised = clock.is_synchronised;

@@ -46,11 +46,15 @@ private:
         bus::Writer<bus::CameraNodeStatus> status;
         bus::Waiter waiter;
     };
+    struct DroppedPicture {
+        Timestamp capture_time;
+        std::uint64_t clock_epoch = 0;
+    };
     struct Camera {
         std::uint32_t index = 0;  // in the rig of the site
         std::unique_ptr<CameraWork> work;
         std::mutex mutex;
-        std::vector<Timestamp> dropped;  // times of pictures that the next one replaced
+        std::vector<DroppedPicture> dropped;  // replaced by the next one
     };
     struct Picture {
         capture::CameraFrame frame;
@@ -63,16 +67,20 @@ private:
                std::unique_ptr<capture::FrameSource> source,
                std::vector<std::unique_ptr<Camera>> cameras,
                Bus bus,
+               std::unique_ptr<hosts::ClockEpoch> clock_epoch,
+               std::uint64_t source_epoch,
                std::shared_ptr<site_node::RunControl> run_control,
                std::unique_ptr<presence::Membership> membership);
 
     void capture(std::stop_token stop);
     Expected<void> capture_until_clock_is_set(std::stop_token stop, bool& was_set);
+    Expected<void> open_source_anew(std::stop_token stop);
     void work_on(const std::string& key, Picture picture);
     void follow_orders(std::stop_token stop);
     void answer(const bus::SiteOrders& orders, Timestamp received, std::uint64_t epoch);
     bus::SiteOrders newest_orders();
     void report_status(std::stop_token stop);
+    std::vector<capture::CameraCounters> camera_counters() const;
 
     site_node::SiteNodeConfig config_;
     std::string host_;
@@ -81,7 +89,8 @@ private:
     std::shared_ptr<capture::FrameSource> source_;
     std::vector<std::unique_ptr<Camera>> cameras_;
     Bus bus_;
-    hosts::ClockEpoch clock_epoch_;
+    std::unique_ptr<hosts::ClockEpoch> clock_epoch_;
+    std::uint64_t source_epoch_;  // in which `source_` was opened
 
     std::mutex orders_mutex_;
     bus::SiteOrders orders_;

@@ -25,25 +25,38 @@ std::vector<std::uint32_t> indices_in(const config::Rig& rig, const config::Rig&
     return indices;
 }
 
-Expected<std::vector<site_node::SilhouetteStage>> make_stages(capture::FrameSource& source,
-                                                              const SiteNodeConfig& config,
-                                                              std::stop_token stop) {
-    std::vector<site_node::SilhouetteStage> stages;
+// Empty: the camera does not show the empty room now.
+using Stages = std::vector<std::optional<site_node::SilhouetteStage>>;
+
+Expected<Stages> make_stages(capture::FrameSource& source,
+                             const SiteNodeConfig& config,
+                             std::stop_token stop) {
+    Stages stages;
+    const auto& cameras = source.rig().cameras;
     if (source.has_silhouettes()) {
-        for (const geometry::CalibratedCamera& camera : source.rig().cameras)
-            stages.emplace_back(camera, config.pipeline);
+        for (const geometry::CalibratedCamera& camera : cameras)
+            stages.emplace_back(std::in_place, camera, config.pipeline);
         return stages;
     }
     auto made = site_node::make_silhouette_stages(
         source, site_node::all_cameras(source), config.pipeline, stop);
+    std::size_t num_there = 0;
     for (std::size_t i = 0; i < made.size(); ++i) {
-        if (!made[i])
+        if (made[i]) {
+            ++num_there;
+            stages.emplace_back(std::move(*made[i]));
+            continue;
+        }
+        if (made[i].error().kind != ErrorKind::kUnavailable || stop.stop_requested())
             return make_error(
                 made[i].error().kind,
-                fmt::format(
-                    "camera '{}': {}", source.rig().cameras[i].name, made[i].error().message));
-        stages.push_back(std::move(*made[i]));
+                fmt::format("camera '{}': {}", cameras[i].name, made[i].error().message));
+        app::log::warn("camera '{}' is excluded: it did not show the empty room at the start",
+                       cameras[i].name);
+        stages.emplace_back();
     }
+    if (num_there == 0)
+        return make_error(ErrorKind::kUnavailable, "no camera of this host shows the empty room");
     return stages;
 }
 
@@ -121,6 +134,9 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
         stop);
     if (!member) return tl::unexpected(member.error());
 
+    // before it learns the times of the cameras: the clock may be set meanwhile
+    auto clock_epoch = std::make_unique<hosts::ClockEpoch>();
+    const std::uint64_t source_epoch = clock_epoch->current();
     auto source = site_node::open_aligned_source(config.capture, config.simulation, names, stop);
     if (!source) return tl::unexpected(source.error());
     const double rate_hz =
@@ -168,6 +184,8 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
         std::move(*source),
         std::move(cameras),
         {std::move(*orders), std::move(*answers), std::move(*status), std::move(*waiter)},
+        std::move(clock_epoch),
+        source_epoch,
         run_control,
         std::move(*member)));
 }

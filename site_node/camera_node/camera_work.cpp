@@ -1,6 +1,7 @@
 #include "site_node/camera_node/camera_work.hpp"
 
 #include <chrono>
+#include <tuple>
 #include <utility>
 
 namespace atrium::camera_node {
@@ -8,7 +9,7 @@ namespace atrium::camera_node {
 CameraWork::CameraWork(std::string site,
                        std::string host,
                        std::uint32_t camera,
-                       site_node::SilhouetteStage stage,
+                       std::optional<site_node::SilhouetteStage> stage,
                        const texture::TextureOptions& options,
                        Writers writers)
     : stage_(std::move(stage)), options_(options), writers_(std::move(writers)) {
@@ -22,8 +23,9 @@ Expected<CameraWork::Published> CameraWork::process(capture::CameraFrame& frame,
                                                     const bus::SiteOrders& orders,
                                                     const std::function<void()>& on_silhouette) {
     Published published;
-    const auto found = frame.is_lost() ? Expected<void>() : stage_.find(frame, {}, seen_);
-    if (frame.is_lost() || !found) {
+    const bool is_lost = frame.is_lost() || !stage_;
+    const auto found = is_lost ? Expected<void>() : stage_->find(frame, {}, seen_);
+    if (is_lost || !found) {
         const auto lost = publish_lost(frame.capture_time, clock_epoch);
         if (!found) return tl::unexpected(found.error());
         if (!lost) return tl::unexpected(lost.error());
@@ -34,7 +36,11 @@ Expected<CameraWork::Published> CameraWork::process(capture::CameraFrame& frame,
     message_.capture_time = frame.capture_time;
     const auto silhouette =
         publish_silhouette(clock_epoch, bus::is_texture_wanted(orders, frame.capture_time));
-    if (!silhouette) return tl::unexpected(silhouette.error());
+    if (!silhouette) {
+        // for example too many contours: nobody needs to wait for it
+        std::ignore = publish_lost(frame.capture_time, clock_epoch);
+        return tl::unexpected(silhouette.error());
+    }
     published.silhouette_bytes = *silhouette;
     on_silhouette();
     if (message_.has_texture) {

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace atrium::camera_node {
@@ -21,11 +22,11 @@ public:
         bus::Writer<bus::CameraTexture> textures;
     };
 
-    /// `camera`: index in the rig of the site.
+    /// `camera`: index in the rig of the site. Without `stage` all its pictures count as lost.
     CameraWork(std::string site,
                std::string host,
                std::uint32_t camera,
-               site_node::SilhouetteStage stage,
+               std::optional<site_node::SilhouetteStage> stage,
                const texture::TextureOptions& options,
                Writers writers);
 
@@ -47,7 +48,7 @@ private:
     Expected<std::size_t> publish_silhouette(std::uint64_t clock_epoch, bool is_texture_wanted);
     Expected<std::size_t> publish_texture(const site_node::ColourCoding& coding);
 
-    site_node::SilhouetteStage stage_;
+    std::optional<site_node::SilhouetteStage> stage_;
     site_node::TextureStage textures_;
     texture::TextureOptions options_;
     Writers writers_;

@@ -6,6 +6,7 @@ namespace atrium::capture {
 
 CameraCounters since(const CameraCounters& former, const CameraCounters& now) {
     CameraCounters counters = now;
+    if (now.num_received < former.num_received) return counters;
     counters.num_received -= former.num_received;
     counters.num_incomplete -= former.num_incomplete;
     counters.num_resent -= former.num_resent;

@@ -28,7 +28,7 @@ struct CameraCounters {
 };
 
 /// Returns the counts since `former` of the same camera; `connected` and `last_picture` are those
-/// of `now`.
+/// of `now`. All of `now` if the counting began anew.
 CameraCounters since(const CameraCounters& former, const CameraCounters& now);
 
 /// Formats the counts as `key=value ...` for the log.

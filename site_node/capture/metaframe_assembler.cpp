@@ -9,6 +9,10 @@ namespace {
 // Limits how many metaframes a camera with a wild clock can open.
 constexpr std::size_t kMaxPending = 8;
 
+// A single camera with a wild clock may be this late; all of them, one after another, cannot.
+constexpr std::chrono::seconds kFarTooOld{2};
+constexpr std::size_t kRoundsOfAllCameras = 3;
+
 }  // namespace
 
 MetaframeAssembler::MetaframeAssembler(std::size_t num_cameras, const AssemblerOptions& options)
@@ -83,9 +87,24 @@ MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
     return &*pending_.insert(place, std::move(opened));
 }
 
+// Begins anew when the clock of all pictures was set back: else nothing would be returned until the
+// former time is reached.
+void MetaframeAssembler::note_age(Timestamp time) {
+    const bool is_far = last_emitted_.ns != std::numeric_limits<std::int64_t>::min() &&
+                        time + kFarTooOld < last_emitted_;
+    num_far_too_old_ = is_far ? num_far_too_old_ + 1 : 0;
+    if (num_far_too_old_ < kRoundsOfAllCameras * num_cameras_) return;
+    num_far_too_old_ = 0;
+    counters_.num_incomplete += pending_.size();
+    pending_.clear();
+    ready_.reset();
+    last_emitted_ = {std::numeric_limits<std::int64_t>::min()};
+}
+
 void MetaframeAssembler::place(CameraFrame frame, std::chrono::steady_clock::time_point arrival) {
     const std::size_t camera = frame.camera;
     const bool is_lost = frame.is_lost();
+    if (camera < num_cameras_) note_age(offsets_.trigger_time(frame));
     Pending* const pending =
         camera < num_cameras_ ? find_or_open(offsets_.trigger_time(frame), arrival) : nullptr;
     if (pending == nullptr || !pending->frames[camera].is_lost()) {

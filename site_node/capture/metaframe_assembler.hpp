@@ -71,6 +71,7 @@ private:
     Pending* find_or_open(Timestamp time, std::chrono::steady_clock::time_point arrival);
     void place(CameraFrame frame, std::chrono::steady_clock::time_point arrival);
     std::optional<Metaframe> take_ready();
+    void note_age(Timestamp time);
 
     std::size_t num_cameras_;
     AssemblerOptions options_;
@@ -78,6 +79,7 @@ private:
     std::deque<Pending> pending_;   // sorted by time
     std::optional<Pending> ready_;  // newest metaframe to return
     Timestamp last_emitted_{std::numeric_limits<std::int64_t>::min()};
+    std::size_t num_far_too_old_ = 0;  // pictures in a row
     std::uint64_t next_frame_id_ = 1;
     AssemblerCounters counters_;
 };

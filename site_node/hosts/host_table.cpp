@@ -64,19 +64,16 @@ HostTable::HostTable(std::vector<std::string> cameras,
                 owners_[static_cast<std::size_t>(found - cameras_.begin())] = hosts_.size() - 1;
         }
     }
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+        if (!hosts_[i].entry.takes_any) continue;
+        for (auto& owner : owners_) owner = owner.value_or(i);
+    }
 }
 
-// The host on which the camera hangs. A camera that no host names belongs to the first one that
-// has it, until it is gone.
 HostTable::Host* HostTable::owner_of(const bus::CameraSilhouette& silhouette) {
-    if (silhouette.camera >= cameras_.size()) return nullptr;
-    auto& owner = owners_[silhouette.camera];
-    for (std::size_t i = 0; i < hosts_.size(); ++i) {
-        if (hosts_[i].entry.name != silhouette.host) continue;
-        if (!owner && hosts_[i].entry.takes_any) owner = i;
-        return owner == i ? &hosts_[i] : nullptr;
-    }
-    return nullptr;
+    if (silhouette.camera >= cameras_.size() || !owners_[silhouette.camera]) return nullptr;
+    Host& host = hosts_[*owners_[silhouette.camera]];
+    return host.entry.name == silhouette.host ? &host : nullptr;
 }
 
 void HostTable::add(bus::CameraSilhouette silhouette,
@@ -135,14 +132,6 @@ void HostTable::add(const bus::ClockAnswer& answer, Timestamp returned, Time arr
     }
 }
 
-void HostTable::gone(std::uint32_t camera) {
-    if (camera >= cameras_.size() || !owners_[camera]) return;
-    Host& host = hosts_[*owners_[camera]];
-    if (host.entry.takes_any &&
-        std::ranges::find(host.entry.cameras, cameras_[camera]) == host.entry.cameras.end())
-        owners_[camera].reset();
-}
-
 void HostTable::forget_clocks() {
     for (Host& host : hosts_) host.clocks.clear();
 }
@@ -159,7 +148,16 @@ bus::HostState HostTable::judge(Host& host, Time now) const {
     // near the limit it must not come and go
     const nanoseconds limit = host.state == State::kClockWrong ? quarter * 4 / 5 : quarter;
     if (std::chrono::abs(estimate->offset) > limit) return State::kClockWrong;
-    const auto is_late = [&](nanoseconds delay) { return delay > options_.deadline; };
+    // The assembler waits from the first picture on: what counts is how much later than the others.
+    std::optional<nanoseconds> quickest;
+    for (const Host& other : hosts_) {
+        if (&other == &host || other.delays.empty() || other.state == State::kMissing) continue;
+        const nanoseconds delay = *std::ranges::min_element(other.delays);
+        quickest = std::min(quickest.value_or(delay), delay);
+    }
+    const auto is_late = [&](nanoseconds delay) {
+        return quickest && delay - *quickest > options_.deadline;
+    };
     if (host.delays.size() == kDelays) {
         if (std::ranges::all_of(host.delays, is_late)) return State::kLate;
         if (host.state == State::kLate && std::ranges::any_of(host.delays, is_late))
@@ -193,7 +191,8 @@ std::string HostTable::why(const Host& host) const {
         case bus::HostState::kLate:
             return fmt::format(
                 "reason=\"its silhouettes come {:.0f} ms after their pictures, later than "
-                "capture.deadline_ms\" advice=\"atrium doctor on that host\"",
+                "those of the others by more than capture.deadline_ms\" advice=\"atrium doctor on "
+                "that host\"",
                 host.delays.empty() ? 0.0 : milliseconds(host.delays.back()));
         default:
             return "reason=\"nothing comes from it\" advice=\"is camera_node running there? is the "

@@ -45,9 +45,6 @@ public:
 
     void add(const bus::ClockAnswer& answer, Timestamp returned, Time arrival);
 
-    /// The camera's writer is gone.
-    void gone(std::uint32_t camera);
-
     /// This host's own clock was set: nothing is known of the others.
     void forget_clocks();
 
@@ -89,7 +86,7 @@ private:
     std::vector<std::string> cameras_;
     HostTableOptions options_;
     std::vector<Host> hosts_;
-    std::vector<std::optional<std::size_t>> owners_;  // per camera; empty: not known yet
+    std::vector<std::optional<std::size_t>> owners_;  // per camera; empty: none has it
     std::vector<Event> events_;
     bool told_stranger_ = false;
 };

@@ -130,17 +130,11 @@ void HostsSource::take_answers() {
 }
 
 void HostsSource::take(const Sink& sink) {
-    const auto report = bus_.silhouettes.take(
-        [this](bus::CameraSilhouette&& silhouette) {
-            if (silhouette.site != options_.site) return;
-            const std::lock_guard lock(mutex_);
-            table_.add(std::move(silhouette), Timestamp::now(), Clock::now(), frames_);
-        },
-        [this](const bus::CameraSilhouette& gone) {
-            if (gone.site != options_.site) return;
-            const std::lock_guard lock(mutex_);
-            table_.gone(gone.camera);
-        });
+    const auto report = bus_.silhouettes.take([this](bus::CameraSilhouette&& silhouette) {
+        if (silhouette.site != options_.site) return;
+        const std::lock_guard lock(mutex_);
+        table_.add(std::move(silhouette), Timestamp::now(), Clock::now(), frames_);
+    });
     if (report.num_rejected > 0) {
         complaints_.warn(fmt::format("silhouettes_rejected num={} first=\"{}\"",
                                      report.num_rejected,

@@ -72,6 +72,11 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
                          model->name,
                          host.name);
         if (host.is_model) model = &host;
+        if (host.takes_any && takes_any)
+            return wrong(host.place,
+                         "two have cameras = \"auto\": which one has which? Name the cameras of "
+                         "'{}'",
+                         host.name);
         takes_any |= host.takes_any;
         for (const std::string& camera : host.cameras) {
             if (std::ranges::find(rig.cameras, camera, &geometry::CalibratedCamera::name) ==

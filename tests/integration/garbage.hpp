@@ -249,6 +249,14 @@ private:
         }
         fill(w.coherence);
         name(w.finding);
+        w.hosts = {};
+        auto* hosts = elements(w.hosts, below(4));
+        for (std::uint32_t i = 0; i < w.hosts._length; ++i) {
+            raw(hosts[i]);
+            name(hosts[i].name);
+            number(hosts[i].clock_offset_ms);
+            number(hosts[i].clock_error_ms);
+        }
     }
     void fill(atrium_RigCoherence& w) {
         name(w.fault.cure);

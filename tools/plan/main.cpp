@@ -94,10 +94,10 @@ int run(int argc, char** argv) {
     cli.add_flag("--json", options.json, "print JSON");
     cli.set_version_flag("--version", "plan " + app::version());
     cli.footer(
-        "examples:\n"
+        "Examples:\n"
         "  atrium plan deploy/sites/hall.toml\n"
         "  atrium plan deploy/sites/hall.toml --simulate --viewers 3\n\n"
-        "exit codes: 0 it fits; 1 it does not; 2 wrong command line or file; 3 a file is missing");
+        "Exit codes: 0 it fits; 1 it does not; 2 wrong command line or file; 3 a file is missing");
     try {
         cli.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -27,8 +27,8 @@ struct ControlOptions {
     std::chrono::milliseconds patience = std::chrono::seconds(30);  // for each host
 };
 
-/// The site's file and its rig, placed so that the path between them stays. Error kConfiguration if
-/// the rig's path is absolute, kNotFound if a file cannot be read.
+/// The site's file and its rig, placed so that the path between them stays. Error kNotFound if a
+/// file cannot be read.
 Expected<std::vector<SentFile>> files_to_send(const std::filesystem::path& site_file,
                                               const std::filesystem::path& rig_file);
 

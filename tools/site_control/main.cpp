@@ -6,10 +6,13 @@
 #include "tools/site_control/control.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 
 namespace atrium::site_control {
@@ -58,6 +61,11 @@ void declare(CLI::App& command, Options& options, Command which) {
             ->check(CLI::Range(1, 100000));
 }
 
+std::string read_text(const fs::path& file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 Expected<ControlOptions> prepare(const Options& options, Command command) {
     site_node::SiteNodeConfig config;
     config::OptionSet set;
@@ -67,6 +75,16 @@ Expected<ControlOptions> prepare(const Options& options, Command command) {
     set.read_file(*reader);
     site_node::read_tables(*reader, config);
     if (auto done = reader->finish(); !done) return tl::unexpected(done.error());
+    // as written: the reader makes it relative to the file
+    auto written = config::TableReader::parse(read_text(options.file), options.file.string());
+    fs::path written_rig;
+    if (written) written->table("capture").read("rig", written_rig);
+    if (written_rig.is_absolute())
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: capture.rig: '{}' must be a relative path, so that all "
+                                      "hosts find the file that is sent",
+                                      options.file.string(),
+                                      written_rig.string()));
     if (config.hosts.empty())
         return make_error(ErrorKind::kConfiguration,
                           options.file.string() +
@@ -118,10 +136,10 @@ int run(int argc, char** argv) {
     cli.require_subcommand(0, 1);
     cli.set_version_flag("--version", "site_control " + app::version());
     cli.footer(
-        "examples:\n"
+        "Examples:\n"
         "  atrium up hall.toml\n"
         "  atrium logs hall.toml --only left --lines 100\n\n"
-        "exit codes: 0 all is as wanted; 1 a host does not answer, or a program does not run; 2 "
+        "Exit codes: 0 all is as wanted; 1 a host does not answer, or a program does not run; 2 "
         "wrong "
         "command line or file; 3 a file is missing");
     Options options;

@@ -11,9 +11,12 @@ std::string beginning(const std::string& site) {
     return fmt::format(
         "set -u\nbase=\"$HOME/.atrium\"/{}\nmkdir -p \"$base/run\" \"$base/files\" "
         "&& cd \"$base\" || exit 1\n"
-        // whether the process of a file of ours still runs
-        "runs() {{ pid=$(cat \"run/$1.pid\" 2>/dev/null) && [ -n \"$pid\" ] && "
-        "kill -0 \"$pid\" 2>/dev/null; }}\n",
+        // Whether the process that we started still runs: its number alone may be that of another
+        // one by now. No zombies.
+        "since() {{ sed -n 's/.*) \\([^Z] .*\\)/\\1/p' \"/proc/$1/stat\" 2>/dev/null | "
+        "cut -d ' ' -f 20; }}\n"
+        "runs() {{ read -r pid began 2>/dev/null < \"run/$1.pid\" && [ -n \"$began\" ] && "
+        "[ \"$(since \"$pid\")\" = \"$began\" ]; }}\n",
         quoted(site));
 }
 
@@ -58,7 +61,7 @@ std::string up_script(const std::string& site,
             "  if [ -z \"$program\" ]; then echo \"failed {0}: it is not installed on this host\"; "
             "else\n"
             "    setsid nohup \"$program\"{3} > run/{0}.log 2>&1 < /dev/null &\n"
-            "    echo $! > run/{0}.pid\n"
+            "    echo \"$! $(since $!)\" > run/{0}.pid\n"
             "    sleep 1\n"
             "    if runs {0}; then echo \"started {0} $pid\"; else\n"
             "      echo \"failed {0}: $(tail -n 1 run/{0}.log)\"; rm -f run/{0}.pid; fi\n"

@@ -32,7 +32,10 @@ void Pairing::forget(const std::string& site) {
     const auto found = sites_.find(site);
     if (found == sites_.end()) return;
     found->second.pending.clear();
-    for (auto& [camera, textures] : found->second.own_textures) textures.waiting.clear();
+    for (auto& [camera, textures] : found->second.own_textures) {
+        textures.waiting.clear();
+        textures.arrivals.clear();
+    }
     found->second.is_gone = true;
 }
 
@@ -92,8 +95,13 @@ bool Pairing::keep_waiting(Site& site, bus::CameraTexture texture) {
         own = {};
     }
     own.waiting.insert_or_assign(key, std::move(texture));
-    // those that no mesh names any more
-    while (own.waiting.size() > options_.max_pending_frames) own.waiting.erase(own.waiting.begin());
+    own.arrivals.push_back(key);
+    // The first to come are the first to go, whatever their times: the clock of a host may have
+    // been set back.
+    while (own.arrivals.size() > options_.max_waiting_textures) {
+        own.waiting.erase(own.arrivals.front());
+        own.arrivals.pop_front();
+    }
     return true;
 }
 

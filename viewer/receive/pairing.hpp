@@ -7,6 +7,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -26,6 +27,8 @@ struct PairingOptions {
     /// textures of one camera.
     std::size_t max_pending_frames = 10;
     std::size_t max_sites = 64;  // further sites are ignored
+    /// Textures of a camera node that wait for the mesh that names them: half a second at 60 Hz.
+    std::size_t max_waiting_textures = 30;
     /// A sample this much older than the last pair means that the site's clock was set back. The
     /// site then starts over.
     std::chrono::nanoseconds max_disorder = std::chrono::seconds(2);
@@ -71,6 +74,7 @@ private:
     struct OwnTextures {
         std::optional<FrameKey> last;  // in a pair
         std::map<FrameKey, bus::CameraTexture> waiting;
+        std::deque<FrameKey> arrivals;  // of `waiting`, and of some that left it
     };
     struct Site {
         std::optional<FrameKey> last;  // last pair returned

@@ -257,6 +257,28 @@ TEST(MetaframeAssembler, AcceptsAPictureReportedAsLost) {
 }
 
 // any order of arrival within the deadline, with some pictures lost
+// The clock of all pictures was set back by an hour: not an hour of silence.
+TEST(MetaframeAssembler, BeginsAnewWhenTheClockOfAllPicturesWasSetBack) {
+    MetaframeAssembler assembler(2, kOptions);
+    constexpr std::int64_t kHour_ns = 3'600'000'000'000;
+    int ms = 0;
+    const auto num_of = [&](std::int64_t start_ns, int num_instants) {
+        std::size_t num = 0;
+        for (int i = 0; i < num_instants; ++i) {
+            for (std::size_t camera = 0; camera < 2; ++camera)
+                num += assembler.add(frame(camera, start_ns + i * kPeriodNs), at(++ms)) ? 1 : 0;
+        }
+        return num;
+    };
+    EXPECT_EQ(num_of(2 * kHour_ns, 10), 10u);
+    EXPECT_GE(num_of(kHour_ns, 10), 6u);
+    // one camera alone cannot do that
+    for (int i = 0; i < 20; ++i) {
+        EXPECT_FALSE(assembler.add(frame(1, i * kPeriodNs), at(++ms)));
+        EXPECT_EQ(num_of(kHour_ns + (20 + i) * kPeriodNs, 1), 1u) << i;
+    }
+}
+
 TEST(MetaframeAssembler, NeverMixesTriggersOrGoesBack) {
     std::mt19937 random(11);
     for (int round = 0; round < 100; ++round) {

@@ -157,12 +157,29 @@ TEST_F(HostTableTest, TellsOfHostsThatNeverComeAfterAWhile) {
 
 TEST_F(HostTableTest, LeavesOutAHostWhoseSilhouettesComeTooLate) {
     ask("left", nanoseconds(0));
-    for (int i = 0; i < 10; ++i) see("left", 0, nanoseconds(0), milliseconds(130));
+    ask("right", nanoseconds(0));
+    for (int i = 0; i < 10; ++i) {
+        see("right", 2);
+        see("left", 0, nanoseconds(0), milliseconds(130));
+    }
     EXPECT_EQ(see("left", 0, nanoseconds(0), milliseconds(130)).front().camera, 0u);
     EXPECT_EQ(state(0), HostState::kLate);
+    EXPECT_EQ(state(1), HostState::kInUse);
     EXPECT_THAT(events(), HasSubstr("come 130 ms after their pictures"));
     for (int i = 0; i < 11; ++i) see("left", 0);
     EXPECT_EQ(state(0), HostState::kInUse);
+}
+
+// The assembler waits from the first picture on.
+TEST_F(HostTableTest, WhenAllAreSlowNobodyIsLate) {
+    ask("left", nanoseconds(0));
+    ask("right", nanoseconds(0));
+    for (int i = 0; i < 20; ++i) {
+        see("right", 2, nanoseconds(0), milliseconds(130));
+        see("left", 0, nanoseconds(0), milliseconds(150));
+    }
+    EXPECT_EQ(state(0), HostState::kInUse);
+    EXPECT_EQ(state(1), HostState::kInUse);
 }
 
 TEST_F(HostTableTest, RefusesACameraOfAnotherHostAndOneThatDoesNotExist) {
@@ -175,14 +192,13 @@ TEST_F(HostTableTest, RefusesACameraOfAnotherHostAndOneThatDoesNotExist) {
     EXPECT_EQ(events(), "") << "told once";
 }
 
-TEST_F(HostTableTest, AFreeCameraBelongsToTheHostThatHasItUntilItIsGone) {
+TEST_F(HostTableTest, AFreeCameraBelongsToTheHostThatTakesAny) {
     ask("hall", nanoseconds(0));
+    ask("left", nanoseconds(0));
     EXPECT_FALSE(see("hall", 3).empty());
     EXPECT_EQ(table_.statuses()[2].num_cameras, 1u);
-    table_.gone(3);
-    EXPECT_EQ(table_.statuses()[2].num_cameras, 0u);
-    table_.gone(0);  // a named one stays
-    EXPECT_EQ(table_.statuses()[0].num_cameras, 2u);
+    EXPECT_TRUE(see("left", 3).empty());
+    EXPECT_TRUE(see("hall", 0).empty());
 }
 
 TEST_F(HostTableTest, WhenItsOwnClockIsSetItMeasuresAnew) {
@@ -231,7 +247,6 @@ TEST_F(HostTableTest, SurvivesHostileTimesAndNames) {
             ASSERT_LT(frame.camera, 4u);
             ASSERT_LE(std::chrono::abs(frame.capture_time - now_), std::chrono::seconds(10));
         }
-        table_.gone(static_cast<std::uint32_t>(random() % 6));
         if (i % 10 == 0) table_.look(steady_);
         table_.take_events();
         pass(milliseconds(static_cast<int>(random() % 20)));

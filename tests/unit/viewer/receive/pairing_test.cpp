@@ -236,6 +236,28 @@ TEST(Pairing, TexturesThatNoMeshNamesAreNoLoss) {
     EXPECT_EQ(sut.num_late(), 1u);
 }
 
+// The clock of a camera node was an hour ahead, and is set right.
+TEST(Pairing, TexturesFromTheFutureDoNotKeepOutTheNewOnes) {
+    Pairing sut;
+    ASSERT_FALSE(sut.add(naming_mesh(1, {0})));
+    ASSERT_TRUE(sut.add(own_texture(1, 0)));
+    for (std::uint64_t frame = 0; frame < 100; ++frame)
+        EXPECT_FALSE(sut.add(own_texture(100'000 + frame, 0)));
+    for (std::uint64_t frame = 2; frame < 50; ++frame) {
+        EXPECT_FALSE(sut.add(own_texture(frame, 0)));
+        EXPECT_TRUE(sut.add(naming_mesh(frame, {0}))) << frame;
+    }
+}
+
+// A hull that takes long: its mesh comes many textures later.
+TEST(Pairing, TexturesWaitForASlowMesh) {
+    Pairing sut;
+    ASSERT_FALSE(sut.add(naming_mesh(1, {0})));
+    ASSERT_TRUE(sut.add(own_texture(1, 0)));
+    for (std::uint64_t frame = 2; frame < 22; ++frame) EXPECT_FALSE(sut.add(own_texture(frame, 0)));
+    EXPECT_TRUE(sut.add(naming_mesh(2, {0})));
+}
+
 TEST(Pairing, ASiteMayChangeBetweenOneProcessAndSeveralHosts) {
     Pairing sut;
     EXPECT_FALSE(sut.add(naming_mesh(1, {0})));
