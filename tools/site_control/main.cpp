@@ -42,6 +42,7 @@ struct Options {
 };
 
 void declare(CLI::App& command, Options& options, Command which) {
+    command.set_version_flag("--version", "site_control " + app::version());
     command.add_option("FILE", options.file, "the site's file, with [[host]]");
     command.add_option("--only", options.only, "these hosts only");
     command.add_option(
