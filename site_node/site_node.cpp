@@ -172,12 +172,17 @@ void SiteNode::find_silhouettes(std::stop_token stop) {
         begun->dropped.reset();
         auto choice = stream_.offer(std::chrono::steady_clock::now());
         if (choice && hosts_ != nullptr) {
+            // the camera nodes count their turns from the last metaframe that was sent
+            const bool is_sent = !lacks_textures(begun->value);
+            if (is_sent) last_sent_ = begun->value.capture_time;
             hosts_->set_wishes({choice->level.jpeg_quality,
                                 choice->level.colour_divisor,
                                 choice->level.send_every,
-                                begun->value.capture_time});
-            // the camera nodes may not know yet which instants are sent
-            if (lacks_textures(begun->value)) choice.reset();
+                                last_sent_});
+            if (!is_sent) {
+                stream_.give_back();
+                choice.reset();
+            }
         }
         if (choice)
             find_silhouettes_of(begun->value, *choice, std::move(memory));

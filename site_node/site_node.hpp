@@ -111,6 +111,8 @@ private:
     ThreadPool pool_;
     std::unique_ptr<preview::Preview> preview_;  // null: no preview
 
+    Timestamp last_sent_;  // capture time; of the silhouettes' thread
+
     // newest wins: a late metaframe is useless
     TwoStageOrder<capture::Metaframe, Ready> metaframes_;
     LockStep lock_step_;  // for a recording that is played as fast as possible

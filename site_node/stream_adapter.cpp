@@ -96,6 +96,13 @@ std::optional<StreamAdapter::Choice> StreamAdapter::offer(stream::Time now) {
     return std::nullopt;
 }
 
+void StreamAdapter::give_back() {
+    const std::lock_guard own_lock(mutex_);
+    controller_.give_back();
+    const std::lock_guard lock(state_mutex_);
+    ++state_.num_dropped_for_rate;
+}
+
 void StreamAdapter::coded(const Choice& choice, const SiteFrame& frame, stream::Time now) {
     const std::lock_guard own_lock(mutex_);
     controller_.coded(choice.index, frame_bytes(frame), now);

@@ -30,6 +30,9 @@ public:
     /// Decides how to code a new metaframe. Empty: skip it, to reduce the rate.
     std::optional<Choice> offer(stream::Time now);
 
+    /// The metaframe offered last is not sent after all; counts it as dropped for the rate.
+    void give_back();
+
     /// Reports the size of a metaframe coded with `choice`.
     void coded(const Choice& choice, const SiteFrame& frame, stream::Time now);
 

@@ -38,6 +38,9 @@ public:
     /// Call once per metaframe. Returns the index in `ladder` at which to code it; empty: skip it.
     std::optional<std::size_t> offer(Time now);
 
+    /// The metaframe offered last is not sent after all: the next one takes its turn.
+    void give_back() { num_skipped_ = ladder_[level_].send_every - 1; }
+
     /// Reports the size of the metaframe offered last.
     void coded(std::size_t level, const FrameBytes& bytes, Time now);
 

@@ -124,6 +124,20 @@ TEST_F(Controlled, KnowsThatAMeshDoesNotShrink) {
     EXPECT_GT(rate_bit_per_s(2.5), 0.6 * 4e6);
 }
 
+TEST_F(Controlled, AMetaframeThatIsNotSentGivesItsTurnToTheNext) {
+    fixed_ = 20'000;
+    run(2.0);
+    controller_.set_cap({4e6, 4e6});
+    run(5.0);
+    ASSERT_GE(level().send_every, 2);
+    const auto offer = [&] { return controller_.offer(at(now_s_ += 1.0 / 30.0)).has_value(); };
+    int num_offers = 0;
+    while (!offer()) ASSERT_LT(++num_offers, 100);
+    controller_.give_back();
+    EXPECT_TRUE(offer());
+    EXPECT_FALSE(offer()) << "its turn is over";
+}
+
 TEST_F(Controlled, RisesOnlyAfterAWhile) {
     controller_.set_cap({15e6, 15e6});
     run(5.0);
