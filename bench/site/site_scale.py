@@ -94,7 +94,8 @@ def main():
         row("fits", ["yes" if p["fits"] else "no" for p in plans]),
     ]
     short, is_changed = machine.commit()
-    origin = f"{machine.today():%Y-%m-%dT%H:%MZ}, commit {short}{' and changes' if is_changed else ''}, predicted: " + plans[0]["assumptions"][0]
+    changes = " and changes" if is_changed else ""
+    origin = f"{machine.today():%Y-%m-%dT%H:%MZ}, commit {short}{changes}, predicted by the costs in deploy/costs.toml"
     with open(options.out, "w", encoding="utf-8") as file:
         json.dump({"origin": origin, "plans": plans}, file, indent=1)
     page_table.put_table(PAGE, "site_scale", lines, origin)
