@@ -259,6 +259,18 @@ void read_tables(config::TableReader& reader, SiteNodeConfig& config) {
     hosts::read_hosts(reader, config.hosts);
 }
 
+Expected<SiteNodeConfig> load_site_file(const std::filesystem::path& path) {
+    SiteNodeConfig config;
+    config::OptionSet set;
+    declare(config, set);
+    auto reader = config::TableReader::load(path);
+    if (!reader) return tl::unexpected(reader.error());
+    set.read_file(*reader);
+    read_tables(*reader, config);
+    if (auto done = reader->finish(); !done) return tl::unexpected(done.error());
+    return config;
+}
+
 std::string own_host(const SiteNodeConfig& config) {
     return config.host.empty() ? presence::host_name() : config.host;
 }

@@ -53,6 +53,9 @@ void read_hull(config::TableReader& reader, SiteNodeConfig& config);
 /// Reads all tables and lists that are not options. `reader` collects the errors.
 void read_tables(config::TableReader& reader, SiteNodeConfig& config);
 
+/// The site file at `path` as it is written: nothing resolved, no rule across options checked.
+Expected<SiteNodeConfig> load_site_file(const std::filesystem::path& path);
+
 /// The name of this host among `[[host]]`.
 std::string own_host(const SiteNodeConfig& config);
 

@@ -40,14 +40,9 @@ fs::path default_costs() {
 }
 
 Expected<SitePlan> make(const Options& options) {
-    site_node::SiteNodeConfig config;
-    config::OptionSet set;
-    site_node::declare(config, set);
-    auto reader = config::TableReader::load(options.file);
-    if (!reader) return tl::unexpected(reader.error());
-    set.read_file(*reader);
-    site_node::read_tables(*reader, config);
-    if (auto done = reader->finish(); !done) return tl::unexpected(done.error());
+    auto loaded = site_node::load_site_file(options.file);
+    if (!loaded) return tl::unexpected(loaded.error());
+    site_node::SiteNodeConfig& config = *loaded;
     const int num_threads = config.threads;  // before 0 becomes that of this host
     site_node::resolve(config);
     if (auto checked = check(config); !checked) return tl::unexpected(checked.error());

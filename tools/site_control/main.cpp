@@ -68,14 +68,9 @@ std::string read_text(const fs::path& file) {
 }
 
 Expected<ControlOptions> prepare(const Options& options, Command command) {
-    site_node::SiteNodeConfig config;
-    config::OptionSet set;
-    site_node::declare(config, set);
-    auto reader = config::TableReader::load(options.file);
-    if (!reader) return tl::unexpected(reader.error());
-    set.read_file(*reader);
-    site_node::read_tables(*reader, config);
-    if (auto done = reader->finish(); !done) return tl::unexpected(done.error());
+    auto loaded = site_node::load_site_file(options.file);
+    if (!loaded) return tl::unexpected(loaded.error());
+    site_node::SiteNodeConfig& config = *loaded;
     // as written: the reader makes it relative to the file
     auto written = config::TableReader::parse(read_text(options.file), options.file.string());
     fs::path written_rig;
