@@ -287,7 +287,12 @@ TEST_F(RealFaults, ProgramRunsTwice) {
     const std::string twice = (folder_ / "site_node").string() + " 100 & a=$!\n" +
                               (folder_ / "site_node").string() + " 100 & b=$!\n";
     const std::string script = (folder_ / "twice.sh").string();
-    std::ofstream(script) << twice << doctor("--for world") << "\nkill $a $b\n";
+    // a child of a shell is a shell until it has started its program
+    std::ofstream(script)
+        << twice << "for p in $a $b; do\n"
+        << "  until [ \"$(cat /proc/$p/comm)\" = site_node ] || ! kill -0 $p; do :; done\n"
+        << "done\n"
+        << doctor("--for world") << "\nkill $a $b\n";
     const Outcome ill = run_program("sh " + script, kLimit_s);
     const json found =
         finding({0, ill.output.substr(0, ill.output.rfind('}') + 1)}, "program_runs_twice");
