@@ -275,6 +275,13 @@ std::string own_host(const SiteNodeConfig& config) {
     return config.host.empty() ? presence::host_name() : config.host;
 }
 
+Expected<void> check_hosts(const SiteNodeConfig& config, const config::Rig& rig) {
+    std::vector<std::string> regions;
+    for (const RegionOptions& region : config.pipeline.hull.regions)
+        regions.push_back(region.name);
+    return hosts::check_hosts(config.hosts, rig, regions, config.name);
+}
+
 int default_threads() {
     return std::clamp(static_cast<int>(std::thread::hardware_concurrency()) - 1, 1, kMaxThreads);
 }

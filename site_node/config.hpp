@@ -59,6 +59,9 @@ Expected<SiteNodeConfig> load_site_file(const std::filesystem::path& path);
 /// The name of this host among `[[host]]`.
 std::string own_host(const SiteNodeConfig& config);
 
+/// hosts::check_hosts for this configuration.
+Expected<void> check_hosts(const SiteNodeConfig& config, const config::Rig& rig);
+
 /// The number of threads that `threads = 0` stands for: all cores but one, at least one.
 int default_threads();
 

@@ -1,5 +1,6 @@
 #include "site_node/hull_stage.hpp"
 
+#include "core/bus/limits.hpp"
 #include "core/config/rig.hpp"
 #include "site_node/hull/field_of_view.hpp"
 #include "site_node/hull/input_limits.hpp"
@@ -70,6 +71,10 @@ bool overlap(const geometry::Aabb& a, const geometry::Aabb& b) {
 }  // namespace
 
 Expected<void> check(const HullStageOptions& options) {
+    if (options.regions.size() > bus::kMaxRegions)
+        return wrong(options,
+                     fmt::format("hull.region[{}].bounds", bus::kMaxRegions),
+                     fmt::format("at most {} regions are possible", bus::kMaxRegions));
     if (options.bounds && !options.regions.empty()) {
         return wrong(options,
                      "hull.bounds",
@@ -147,7 +152,11 @@ Expected<void> HullStage::add_regions(std::span<const geometry::CalibratedCamera
                 key,
                 fmt::format("needs at least {} cameras, got {}", min_delivered_, indices.size()));
         }
-        regions_.push_back({region.name, region.bounds, std::move(indices), min_delivered_});
+        regions_.push_back({region.name,
+                            region.bounds,
+                            std::move(indices),
+                            min_delivered_,
+                            region.is_elsewhere});
     }
     return {};
 }
@@ -209,7 +218,7 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
                         hull::VisualHull& hull) {
     const auto num_delivered = static_cast<std::size_t>(
         std::count_if(delivered.begin(), delivered.end(), [](std::uint8_t d) { return d != 0; }));
-    if (num_delivered < min_delivered_) {
+    if (regions_.empty() && num_delivered < min_delivered_) {
         clear(hull);
         hull.status = hull::HullStatus::kTooFewViews;
         return;

@@ -25,6 +25,7 @@ struct RegionOptions {
     std::string name;
     geometry::Aabb bounds;             // site frame [m]
     std::vector<std::string> cameras;  // names; empty: all
+    bool is_elsewhere = false;         // another host of the site computes it
 };
 
 /// `[hull]` of a site file.
@@ -77,6 +78,11 @@ public:
     void compute(std::span<const std::uint8_t> delivered,
                  Executor& executor,
                  hull::VisualHull& hull);
+
+    const std::vector<hull::Region>& regions() const { return regions_; }
+
+    /// The parts of the last hull, in the order of the regions; empty without regions.
+    std::span<const hull::VisualHull> region_hulls() const { return region_scratch_.parts; }
 
 private:
     HullStage() = default;

@@ -1,8 +1,21 @@
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
 #include "site_node/list_cameras.hpp"
+#include "site_node/region_node/region_node.hpp"
 #include "site_node/silhouette_writer.hpp"
 #include "site_node/site_node.hpp"
+
+namespace {
+
+template <typename Node>
+int run(const atrium::site_node::SiteNodeConfig& config, const atrium::app::StopOnSignal& stop) {
+    auto node = Node::create(config, stop.token());
+    if (!node) return stop.token().stop_requested() ? 0 : atrium::app::fail(node.error());
+    const auto done = (*node)->run(stop.token());
+    return done ? 0 : atrium::app::fail(done.error());
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
     using namespace atrium;
@@ -38,8 +51,6 @@ int main(int argc, char** argv) {
                               : site_node::write_silhouettes(config, stop.token());
         return done ? 0 : app::fail(done.error());
     }
-    auto node = site_node::SiteNode::create(config, stop.token());
-    if (!node) return stop.token().stop_requested() ? 0 : app::fail(node.error());
-    const auto done = (*node)->run(stop.token());
-    return done ? 0 : app::fail(done.error());
+    return region_node::is_region_host(config) ? run<region_node::RegionNode>(config, stop)
+                                               : run<site_node::SiteNode>(config, stop);
 }

@@ -18,9 +18,49 @@ double milliseconds_between(Clock::time_point begin, Clock::time_point end) {
     return std::chrono::duration<double, std::milli>(end - begin).count();
 }
 
-// An empty intersection is a valid answer: nobody is in the room.
-bool is_empty_room(hull::HullStatus status) {
-    return status == hull::HullStatus::kEmptyIntersection;
+// Without any mesh: an error if a hull failed. An empty intersection is a valid answer: nobody is in
+// the room.
+Expected<void> failure_without_mesh(const SiteFrame& frame) {
+    if (!frame.draco.empty()) return {};
+    const hull::HullStatus status = frame.hull.status;
+    if (status != hull::HullStatus::kOk && status != hull::HullStatus::kEmptyIntersection)
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("no hull: {}", hull::to_string(status)));
+    for (const bus::RegionMeshes& remote : frame.remote) {
+        if (!remote.reason.empty())
+            return make_error(ErrorKind::kInvalidData,
+                              fmt::format("no hull: host {}: {}", remote.host, remote.reason));
+    }
+    return {};
+}
+
+// Adds the counts of regions that another host computed.
+void add(const bus::RegionMeshes& remote, SiteFrame& frame) {
+    const bus::LeftOutTotals& left_out = remote.left_out;
+    frame.losses.phantoms += static_cast<std::uint32_t>(left_out.num_phantoms);
+    frame.losses.fragments += static_cast<std::uint32_t>(left_out.num_fragments);
+    frame.losses.dropped_l += left_out.dropped_l;
+    frame.losses.contours_dropped += static_cast<std::uint32_t>(left_out.num_contours_dropped);
+    frame.losses.contours_repaired += static_cast<std::uint32_t>(left_out.num_contours_repaired);
+    frame.losses.regions_failed += static_cast<std::uint32_t>(left_out.num_regions_failed);
+    frame.work_milliseconds.mesh += remote.mesh_ms;
+}
+
+// The hull, with the regions that other hosts computed.
+geometry::TriangleMesh whole_mesh(const SiteFrame& frame) {
+    geometry::TriangleMesh whole = frame.hull.mesh;
+    codec::MeshDecoder decoder;
+    geometry::TriangleMesh part;
+    for (const bus::RegionMeshes& remote : frame.remote) {
+        std::span<const std::uint8_t> left(remote.draco);
+        for (const bus::RegionHull& hull : remote.regions) {
+            // a mesh that viewers cannot read either is left out
+            if (decoder.decode(left.first(hull.num_bytes), {}, part))
+                geometry::append(whole, part);
+            left = left.subspan(hull.num_bytes);
+        }
+    }
+    return whole;
 }
 
 }  // namespace
@@ -78,7 +118,10 @@ std::vector<std::vector<Eigen::Vector2d>> Pipeline::Silhouettes::delivered_outli
 Pipeline::Pipeline(std::vector<geometry::CalibratedCamera> cameras,
                    const PipelineOptions& options,
                    HullStage hull)
-    : cameras_(std::move(cameras)), options_(options), hull_(std::move(hull)) {
+    : cameras_(std::move(cameras)),
+      options_(options),
+      hull_(std::move(hull)),
+      meshes_(std::max<std::size_t>(1, hull_.regions().size()), options.mesh) {
     for (std::size_t i = 0; i < cameras_.size(); ++i)
         stages_.push_back(std::make_unique<CameraStage>());
 }
@@ -184,29 +227,27 @@ void Pipeline::name_remote_textures(const capture::Metaframe& metaframe, SiteFra
     }
 }
 
-// Encodes the mesh, as one task, in parallel with the textures.
+// The mesh of region `index`, or the only one.
+const geometry::TriangleMesh& Pipeline::mesh_of(const SiteFrame& frame, std::size_t index) const {
+    return hull_.regions().empty() ? frame.hull.mesh : hull_.region_hulls()[index].mesh;
+}
+
+// Encodes the meshes and textures, each as one task.
 Expected<void> Pipeline::encode(Silhouettes& silhouettes,
                                 const ColourCoding& coding,
                                 Executor& executor,
                                 SiteFrame& frame) {
     resize_keeping(frame.cameras, cameras_.size(), spare_coded_);
-    Expected<std::size_t> mesh;
+    const std::size_t num_meshes = meshes_.num_meshes();
     const auto work = [&](std::size_t task, std::size_t) {
-        if (task > 0) {
-            const std::size_t camera = task - 1;
-            silhouettes.cameras_[camera]->result =
-                encode_texture(silhouettes, coding, camera, frame.cameras[camera]);
-            return;
-        }
-        const auto begin = Clock::now();
-        codec::MeshCodecOptions options = options_.mesh;
-        if (options.position_bits == 0)
-            options.position_bits = codec::position_bits_for(frame.hull.mesh, cameras_);
-        mesh = mesh_encoder_.encode(frame.hull.mesh, options, frame.draco);
-        frame.work_milliseconds.mesh = milliseconds_between(begin, Clock::now());
+        if (task < num_meshes) return meshes_.encode(task, mesh_of(frame, task), cameras_);
+        const std::size_t camera = task - num_meshes;
+        silhouettes.cameras_[camera]->result =
+            encode_texture(silhouettes, coding, camera, frame.cameras[camera]);
     };
-    executor.parallel_for(1 + cameras_.size(), work);
-    if (!mesh) return tl::unexpected(mesh.error());
+    executor.parallel_for(num_meshes + cameras_.size(), work);
+    frame.work_milliseconds.mesh = meshes_.milliseconds();
+    if (auto coded = meshes_.result(); !coded) return coded;
     std::size_t num_kept = 0;
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
         if (!silhouettes.cameras_[i]->sees_somebody) continue;
@@ -214,8 +255,27 @@ Expected<void> Pipeline::encode(Silhouettes& silhouettes,
         ++num_kept;
     }
     resize_keeping(frame.cameras, num_kept, spare_coded_);
-    name_remote_textures(silhouettes.metaframe_, frame);
     return first_failure(silhouettes);
+}
+
+// Puts the meshes of all regions after each other, in the order of the regions.
+void Pipeline::join_meshes(SiteFrame& frame) {
+    if (hull_.regions().empty()) return frame.draco.swap(meshes_.draco(0));
+    std::vector<std::span<const std::uint8_t>> meshes;
+    for (std::size_t i = 0; i < meshes_.num_meshes(); ++i) meshes.push_back(meshes_.draco(i));
+    for (const bus::RegionMeshes& remote : frame.remote) {
+        std::span<const std::uint8_t> left(remote.draco);
+        for (const bus::RegionHull& hull : remote.regions) {
+            meshes[hull.region] = left.first(hull.num_bytes);
+            left = left.subspan(hull.num_bytes);
+        }
+    }
+    for (const auto& mesh : meshes) {
+        if (mesh.empty()) continue;
+        frame.draco.insert(frame.draco.end(), mesh.begin(), mesh.end());
+        frame.mesh_sizes.push_back(static_cast<std::uint32_t>(mesh.size()));
+    }
+    if (frame.mesh_sizes.size() == 1) frame.mesh_sizes.clear();
 }
 
 Expected<void> Pipeline::first_failure(const Silhouettes& silhouettes) const {
@@ -241,6 +301,7 @@ void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
         hull.num_contours_dropped,
         hull.num_contours_repaired,
         hull.num_regions_failed};
+    for (const bus::RegionMeshes& remote : frame.remote) add(remote, frame);
     for (const auto& camera : silhouettes.cameras_) {
         frame.losses.contours_dropped +=
             camera->counts.num_not_undistorted + camera->counts.num_not_simple;
@@ -258,30 +319,39 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     frame.frame_id = silhouettes.metaframe_.frame_id;
     frame.capture_time = silhouettes.metaframe_.capture_time;
     frame.draco.clear();
+    frame.mesh_sizes.clear();
+    frame.remote.clear();
     frame.remote_textures.clear();
     frame.work_milliseconds = {};
+    meshes_.clear();
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
         if (silhouettes.delivered_[i] != 0)
             hull_.contours(i).swap(silhouettes.cameras_[i]->contours);
     }
+    if (remote_ != nullptr)
+        remote_->order(frame.frame_id, hull_.views(), silhouettes.delivered_);
     hull_.compute(silhouettes.delivered_, executor, frame.hull);
 
     const auto encode_begin = Clock::now();
-    if (frame.hull.status == hull::HullStatus::kOk) {
-        if (auto encoded = encode(silhouettes, coding, executor, frame); !encoded) return encoded;
-    } else if (is_empty_room(frame.hull.status)) {
+    Expected<void> encoded;
+    if (frame.hull.status == hull::HullStatus::kOk)
+        encoded = encode(silhouettes, coding, executor, frame);
+    else
         resize_keeping(frame.cameras, 0, spare_coded_);
-    } else {
-        return make_error(ErrorKind::kInvalidData,
-                          fmt::format("no hull: {}", hull::to_string(frame.hull.status)));
-    }
+    const auto wait_begin = Clock::now();
+    if (remote_ != nullptr) frame.remote = remote_->collect(frame.frame_id);
+    const auto wait_end = Clock::now();
+    if (!encoded) return encoded;
+    join_meshes(frame);
+    if (auto failed = failure_without_mesh(frame); !failed) return failed;
+    if (!frame.draco.empty()) name_remote_textures(silhouettes.metaframe_, frame);
     sum_up(silhouettes, frame);
     const auto end = Clock::now();
-    const double compute_ms = milliseconds_between(hull_begin, end);
-    frame.milliseconds = {silhouettes.milliseconds_,
-                          milliseconds_between(hull_begin, encode_begin),
-                          milliseconds_between(encode_begin, end),
-                          silhouettes.milliseconds_ + compute_ms};
+    frame.milliseconds = {
+        silhouettes.milliseconds_,
+        milliseconds_between(hull_begin, encode_begin) + milliseconds_between(wait_begin, wait_end),
+        milliseconds_between(encode_begin, wait_begin) + milliseconds_between(wait_end, end),
+        silhouettes.milliseconds_ + milliseconds_between(hull_begin, end)};
     return {};
 }
 
@@ -293,7 +363,7 @@ std::vector<views::NamedView> Pipeline::views(const Silhouettes& silhouettes) co
     return views;
 }
 
-rig_check::Look Pipeline::look(const Silhouettes& silhouettes, const hull::VisualHull& hull) const {
+rig_check::Look Pipeline::look(const Silhouettes& silhouettes, const SiteFrame& frame) const {
     rig_check::Look look;
     look.views = views(silhouettes);
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
@@ -304,10 +374,16 @@ rig_check::Look Pipeline::look(const Silhouettes& silhouettes, const hull::Visua
             look.shifted.push_back({cameras_[i].name, shift->norm(), turn_rad});
         }
     }
-    if (hull.status != hull::HullStatus::kOk) return look;
-    look.hull_extent = geometry::bounds(hull.mesh);
-    look.hull_volume_m3 = geometry::volume_m3(hull.mesh);
-    look.footing = rig_check::find_footing(hull.mesh);
+    const auto describe = [&](const geometry::TriangleMesh& mesh) {
+        if (mesh.empty()) return;
+        look.hull_extent = geometry::bounds(mesh);
+        look.hull_volume_m3 = geometry::volume_m3(mesh);
+        look.footing = rig_check::find_footing(mesh);
+    };
+    if (frame.remote.empty())
+        describe(frame.hull.mesh);
+    else
+        describe(whole_mesh(frame));
     return look;
 }
 

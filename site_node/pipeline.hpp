@@ -2,12 +2,15 @@
 
 #include "core/base/executor.hpp"
 #include "core/base/expected.hpp"
+#include "core/bus/messages.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/codec/texture_codec.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/capture/frame_source.hpp"
+#include "site_node/hosts/remote_regions.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/hull_stage.hpp"
+#include "site_node/mesh_coding.hpp"
 #include "site_node/rig_check/rig_watch.hpp"
 #include "site_node/silhouette_stage/silhouette_stage.hpp"
 #include "site_node/texture/texture.hpp"
@@ -56,7 +59,9 @@ struct SiteFrame {
     std::vector<CodedCamera> cameras;  // cameras that see somebody; empty if nobody is there
     std::vector<RemoteTexture> remote_textures;  // of further such cameras
     std::vector<std::uint8_t> draco;             // empty: nobody is there
-    hull::VisualHull hull;
+    std::vector<std::uint32_t> mesh_sizes;       // as in bus::SiteMesh
+    hull::VisualHull hull;                       // of the regions that this host computes
+    std::vector<bus::RegionMeshes> remote;       // regions that other hosts computed
     MetaframeLosses losses;
 
     struct Milliseconds {
@@ -78,7 +83,7 @@ struct SiteFrame {
 
 /// Turns the pictures of one metaframe into a coded mesh and textures, in two stages: the
 /// silhouettes of all cameras, then hull and coding. Of frames that come as `FoundSilhouette` it
-/// uses the contours; their camera nodes code the textures. Uses no network and creates no threads.
+/// uses the contours; their camera nodes code the textures. Creates no threads.
 class Pipeline {
 public:
     /// Data that the first stage hands to the second for one metaframe. Reusable: keeps its memory.
@@ -123,6 +128,9 @@ public:
     Pipeline& operator=(Pipeline&&) noexcept;
     ~Pipeline();
 
+    /// Who computes the regions that are elsewhere. Must outlive the pipeline.
+    void set_remote_regions(hosts::RemoteRegions* remote) { remote_ = remote; }
+
     /// First stage. Ignores cameras that the metaframe lacks. Takes metaframes in their order, one
     /// at a time. After an error `out` is unspecified but reusable.
     Expected<void> find_silhouettes(const capture::Metaframe& metaframe,
@@ -141,7 +149,7 @@ public:
     std::vector<views::NamedView> views(const Silhouettes& silhouettes) const;
 
     /// Copies what a check of the rig needs of a metaframe: after `compute`, before the next.
-    rig_check::Look look(const Silhouettes& silhouettes, const hull::VisualHull& hull) const;
+    rig_check::Look look(const Silhouettes& silhouettes, const SiteFrame& frame) const;
 
     /// Runs both stages, with the colour coding of the options. Must not overlap with either stage.
     Expected<void> process(const capture::Metaframe& metaframe,
@@ -162,6 +170,8 @@ private:
                           const ColourCoding& coding,
                           Executor& executor,
                           SiteFrame& frame);
+    const geometry::TriangleMesh& mesh_of(const SiteFrame& frame, std::size_t index) const;
+    void join_meshes(SiteFrame& frame);
     Expected<void> first_failure(const Silhouettes& silhouettes) const;
     static void sum_up(const Silhouettes& silhouettes, SiteFrame& frame);
 
@@ -169,7 +179,8 @@ private:
     PipelineOptions options_;
     std::vector<std::unique_ptr<CameraStage>> stages_;  // one per camera
     HullStage hull_;
-    codec::MeshEncoder mesh_encoder_;
+    hosts::RemoteRegions* remote_ = nullptr;
+    MeshCoding meshes_;  // one of each region, or one
     std::vector<CodedCamera> spare_coded_;  // memory for cameras that see somebody again
     Silhouettes own_silhouettes_;           // used by `process`
 };

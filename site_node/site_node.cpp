@@ -228,7 +228,7 @@ void SiteNode::compute_frame(Ready& ready) {
     const ColourCoding coding{choice.level.jpeg_quality, choice.level.colour_divisor};
     const auto done = pipeline_.compute(*ready.silhouettes, coding, pool_, *frame);
     if (rig_watcher_.wants_look(std::chrono::steady_clock::now()))
-        rig_watcher_.put(pipeline_.look(*ready.silhouettes, frame->hull));
+        rig_watcher_.put(pipeline_.look(*ready.silhouettes, *frame));
     const std::uint64_t id = ready.silhouettes->metaframe().frame_id;
     if (coherence_watcher_.wants(id, std::chrono::steady_clock::now()))
         coherence_watcher_.put(id, pipeline_.views(*ready.silhouettes));
@@ -329,6 +329,7 @@ Expected<std::size_t> SiteNode::publish(SiteFrame& frame) {
     }
     name_remote_textures(frame, mesh);
     mesh.draco.swap(frame.draco);
+    mesh.mesh_sizes = frame.mesh_sizes;
     const auto written = writers_.mesh.write(mesh);
     mesh.draco.swap(frame.draco);
     if (!written) return written;

@@ -14,6 +14,7 @@
 #include "site_node/coherence_watcher.hpp"
 #include "site_node/config.hpp"
 #include "site_node/hosts/hosts_source.hpp"
+#include "site_node/hosts/region_hosts.hpp"
 #include "site_node/lock_step.hpp"
 #include "site_node/preview/preview.hpp"
 #include "site_node/rig_watcher.hpp"
@@ -75,7 +76,8 @@ private:
              bus::Reader<bus::StreamFeedback> feedback,
              std::shared_ptr<RunControl> run_control,
              std::unique_ptr<presence::Membership> membership,
-             hosts::HostsSource* hosts);
+             hosts::HostsSource* hosts,
+             std::unique_ptr<hosts::RegionHosts> region_hosts);
 
     void capture_metaframes(std::stop_token stop);
     void hand_over(capture::Metaframe metaframe);
@@ -105,6 +107,7 @@ private:
     SiteNodeConfig config_;
     std::unique_ptr<capture::FrameSource> source_;
     hosts::HostsSource* hosts_;  // is `source_`; null: this process has the cameras
+    std::unique_ptr<hosts::RegionHosts> region_hosts_;  // null: this process computes all regions
     Pipeline pipeline_;
     Writers writers_;
     StreamAdapter stream_;

@@ -64,7 +64,7 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
 // Checks the part of this host in a site on several hosts: it has to be the model part.
 Expected<void> check_own_part(const SiteNodeConfig& config, const config::Rig& rig) {
     if (config.hosts.empty()) return {};
-    if (auto fits = hosts::check_hosts(config.hosts, rig, config.name); !fits) return fits;
+    if (auto fits = check_hosts(config, rig); !fits) return fits;
     const auto own = hosts::find_host(config.hosts, own_host(config));
     if (!own) return tl::unexpected(own.error());
     if (!own->is_model) {
@@ -98,6 +98,29 @@ Expected<std::unique_ptr<capture::FrameSource>> open_frames(const SiteNodeConfig
     if (!source) return tl::unexpected(source.error());
     hosts = source->get();
     return std::unique_ptr<capture::FrameSource>(std::move(*source));
+}
+
+// Who computes the regions that other hosts have; null if none has any.
+Expected<std::unique_ptr<hosts::RegionHosts>> open_region_hosts(
+    const SiteNodeConfig& config,
+    const config::Rig& rig,
+    const HullStage& hull,
+    const bus::Participant& participant) {
+    hosts::RegionHostsOptions options;
+    options.site = config.name;
+    options.period =
+        std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / metaframe_rate_hz(config, rig)));
+    for (const hull::Region& region : hull.regions()) options.cameras.push_back(region.views);
+    for (const hosts::HostEntry& host : config.hosts) {
+        hosts::RegionHost computes{host.name, {}};
+        for (std::uint32_t i = 0; i < config.pipeline.hull.regions.size(); ++i) {
+            if (hosts::host_of_region(config.hosts, config.pipeline.hull.regions[i].name) == &host)
+                computes.regions.push_back(i);
+        }
+        if (!computes.regions.empty()) options.hosts.push_back(std::move(computes));
+    }
+    if (options.hosts.empty()) return nullptr;
+    return hosts::RegionHosts::open(participant, std::move(options));
 }
 
 rig_check::AgreementOptions agreement_options(const HullStageOptions& hull,
@@ -158,6 +181,8 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
     take_bounds(*rig, config.pipeline.hull);
     if (auto fits = check(config, *rig); !fits) return tl::unexpected(fits.error());
     if (auto fits = check_own_part(config, *rig); !fits) return tl::unexpected(fits.error());
+    for (RegionOptions& region : config.pipeline.hull.regions)
+        region.is_elsewhere = hosts::host_of_region(config.hosts, region.name) != nullptr;
     const auto hull = HullStage::create(
         rig->cameras, config.pipeline.hull, config.pipeline.silhouette.tolerance_px);
     if (!hull) return tl::unexpected(hull.error());
@@ -180,6 +205,8 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
                    hosts == nullptr ? config.capture.source : "camera nodes",
                    (*source)->rig().cameras.size(),
                    source_rate_text(config, (*source)->rig()));
+    auto region_hosts = open_region_hosts(config, *rig, *hull, *participant);
+    if (!region_hosts) return tl::unexpected(region_hosts.error());
     auto pipeline = Pipeline::create(**source, config.pipeline, stop);
     if (!pipeline) return tl::unexpected(pipeline.error());
     for (const std::string& name : pipeline->cameras_without_background()) {
@@ -207,7 +234,8 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
                                                   std::move(*feedback),
                                                   run_control,
                                                   std::move(*member),
-                                                  hosts));
+                                                  hosts,
+                                                  std::move(*region_hosts)));
 }
 
 SiteNode::SiteNode(const SiteNodeConfig& config,
@@ -217,10 +245,12 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
                    bus::Reader<bus::StreamFeedback> feedback,
                    std::shared_ptr<RunControl> run_control,
                    std::unique_ptr<presence::Membership> membership,
-                   hosts::HostsSource* hosts)
+                   hosts::HostsSource* hosts,
+                   std::unique_ptr<hosts::RegionHosts> region_hosts)
     : config_(config),
       source_(std::move(source)),
       hosts_(hosts),
+      region_hosts_(std::move(region_hosts)),
       pipeline_(std::move(pipeline)),
       writers_(std::move(writers)),
       stream_(config_.stream,
@@ -239,6 +269,7 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
                          [this] { return rig_watcher_.is_explained(); }),
       run_control_(std::move(run_control)),
       membership_(std::move(membership)) {
+    pipeline_.set_remote_regions(region_hosts_.get());
     if (hosts_ != nullptr) hosts_->set_wishes({.jpeg_quality = config_.pipeline.jpeg_quality});
     if (config_.preview.empty()) return;
     std::vector<std::string> names;

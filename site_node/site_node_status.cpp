@@ -107,6 +107,10 @@ bus::SiteStatus SiteNode::status() const {
     status.coherence = coherence_watcher_.newest();
     status.finding = rig_watcher_.finding();
     if (hosts_ != nullptr) status.hosts = hosts_->statuses();
+    if (region_hosts_ != nullptr) {
+        const auto regions = region_hosts_->statuses();
+        status.hosts.insert(status.hosts.end(), regions.begin(), regions.end());
+    }
     const std::lock_guard lock(processor_mutex_);
     status.processor = processor_;
     return status;

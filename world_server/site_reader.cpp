@@ -32,7 +32,7 @@ Expected<std::optional<physics::PersonShape>> SiteReader::read(const bus::SiteMe
         shaper_.forget();
         return std::nullopt;
     }
-    if (auto ok = decoder_.decode(message.draco, kLimits, mesh_); !ok) {
+    if (auto ok = decoder_.decode(message.draco, message.mesh_sizes, kLimits, mesh_); !ok) {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("site {}: {}", message.site, ok.error().message));
     }

@@ -75,7 +75,9 @@ private:
 template <typename Message>
 class Writer {
 public:
-    static Expected<Writer> create(const Participant& participant);
+    /// With `part` only readers of the same part of the world are matched: what one site's hosts
+    /// tell each other must not reach those of all others.
+    static Expected<Writer> create(const Participant& participant, const std::string& part = "");
     /// Checks and writes a sample, and returns its payload in bytes. May block for some ten
     /// milliseconds (qos/profiles.xml, max_blocking_time): do not call it on a capture thread.
     /// Fails with kInvalidData if the message does not pass `check`, with kUnavailable if a
@@ -108,7 +110,8 @@ enum class Ending : std::uint8_t {
 template <typename Message>
 class Reader {
 public:
-    static Expected<Reader> create(const Participant& participant);
+    /// `part` as in Writer.
+    static Expected<Reader> create(const Participant& participant, const std::string& part = "");
 
     /// Passes each new sample that passes its checks to `on_sample`, oldest first. Calls `on_gone`
     /// when an instance is no longer alive: disposed, or its writers left or lost liveliness. That

@@ -138,15 +138,39 @@ private:
     }
     void check(std::string_view name, const std::vector<std::uint32_t>& sizes, ContourSizes limit) {
         check(name, sizes.size(), AtMost{limit.max});
+        if (limit.counts != nullptr) expect_sum(name, *limit.counts, sizes.size());
+    }
+    void check(std::string_view name,
+               const std::vector<std::uint32_t>& counts,
+               ContourCounts limit) {
+        if (counts.size() != limit.num)
+            fail(name, fmt::format("must be {}, got {}", limit.num, counts.size()));
+    }
+    void check(std::string_view name, const std::vector<std::uint32_t>& sizes, PartSizes limit) {
+        check(name, sizes.size(), AtMost{limit.max});
+        if (!sizes.empty()) expect_sum(name, sizes, limit.total);
+    }
+    void check(std::string_view name, const std::vector<RegionHull>& regions, MeshesOf limit) {
+        check(name, regions.size(), AtMost{limit.max});
+        std::uint64_t seen = 0;       // one bit per region
+        std::uint64_t num_bytes = 0;  // of some 32-bit numbers: cannot overflow
+        static_assert(kMaxRegions == 64);
+        for (const RegionHull& hull : regions) {
+            const std::uint64_t bit = std::uint64_t{1} << (hull.region % kMaxRegions);
+            if ((seen & bit) != 0) fail(name, "names a region twice");
+            seen |= bit;
+            num_bytes += hull.num_bytes;
+            if ((hull.num_bytes > 0) != (hull.outcome == RegionOutcome::kMesh))
+                fail(name, "has a mesh without bytes, or bytes without a mesh");
+        }
+        if (num_bytes != limit.total)
+            fail(name, fmt::format("the sizes say {}, there are {}", num_bytes, limit.total));
     }
     void check(std::string_view name,
                const std::vector<std::array<double, 2>>& vertices,
                const Vertices& limits) {
         check(name, vertices.size(), AtMost{limits.max});
-        std::uint64_t num_named = 0;  // at most kMaxContours 32-bit numbers: cannot overflow
-        for (const std::uint32_t size : limits.sizes) num_named += size;
-        if (num_named != vertices.size())
-            fail(name, fmt::format("has {}, the contours {}", vertices.size(), num_named));
+        expect_sum(name, limits.sizes, vertices.size());
         for (const auto& vertex : vertices) check(name, vertex, within(kMaxVertex_px));
     }
     void check(std::string_view name, const std::vector<std::uint32_t>& cameras, CameraSet) {
@@ -160,6 +184,13 @@ private:
         }
     }
 
+    void expect_sum(std::string_view name,
+                    const std::vector<std::uint32_t>& sizes,
+                    std::size_t sum) {
+        std::uint64_t named = 0;  // of some thousand 32-bit numbers: cannot overflow
+        for (const std::uint32_t size : sizes) named += size;
+        if (named != sum) fail(name, fmt::format("the sizes say {}, there are {}", named, sum));
+    }
     void fail(std::string_view name, std::string_view why) {
         if (fault_.empty()) fault_ = fmt::format("{}: {}", name, why);
     }
@@ -183,6 +214,9 @@ template Expected<void> check(const CameraSilhouette&);
 template Expected<void> check(const SiteOrders&);
 template Expected<void> check(const ClockAnswer&);
 template Expected<void> check(const CameraNodeStatus&);
+template Expected<void> check(const RegionOrder&);
+template Expected<void> check(const RegionMeshes&);
+template Expected<void> check(const RegionNodeStatus&);
 template Expected<void> check(const SitePlacement&);
 template Expected<void> check(const SceneObject&);
 template Expected<void> check(const SoftBody&);

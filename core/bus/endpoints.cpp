@@ -60,14 +60,25 @@ void reject(TakeReport& report, const Error& why) {
 }  // namespace
 
 template <typename Message>
-Expected<Writer<Message>> Writer<Message>::create(const Participant& participant) {
+Expected<Writer<Message>> Writer<Message>::create(const Participant& participant,
+                                                   const std::string& part) {
     auto impl = std::make_shared<Impl>();
     impl->participant = participant.impl();
     auto topic = create_topic<Message>(*impl->participant);
     if (!topic) return tl::unexpected(topic.error());
     impl->topic = std::move(*topic);
     const auto& profile = impl->participant->profiles.find(Topic<Message>::kProfile)->second;
-    auto writer = own(dds_create_writer(impl->participant->publisher.get(),
+    const std::string partition = impl->participant->partition(part);
+    if (!part.empty()) {
+        auto publisher = own(dds_create_publisher(impl->participant->participant.get(),
+                                                  partition_qos(partition).get(),
+                                                  nullptr),
+                             "a publisher");
+        if (!publisher) return tl::unexpected(publisher.error());
+        impl->publisher = std::move(*publisher);
+    }
+    auto writer = own(dds_create_writer(part.empty() ? impl->participant->publisher.get()
+                                                     : impl->publisher.get(),
                                         impl->topic.get(),
                                         make_writer_qos(profile.writer).get(),
                                         nullptr),
@@ -77,6 +88,7 @@ Expected<Writer<Message>> Writer<Message>::create(const Participant& participant
     impl->watched = impl->participant->peers.watch({Topic<Message>::kName,
                                                     impl->topic.get(),
                                                     impl->writer.get(),
+                                                    partition,
                                                     profile.writer,
                                                     /*is_reader=*/false});
     Writer result;
@@ -135,14 +147,25 @@ int Writer<Message>::num_readers() const {
 }
 
 template <typename Message>
-Expected<Reader<Message>> Reader<Message>::create(const Participant& participant) {
+Expected<Reader<Message>> Reader<Message>::create(const Participant& participant,
+                                                   const std::string& part) {
     auto impl = std::make_shared<Impl>();
     impl->participant = participant.impl();
     auto topic = create_topic<Message>(*impl->participant);
     if (!topic) return tl::unexpected(topic.error());
     impl->topic = std::move(*topic);
     const auto& profile = impl->participant->profiles.find(Topic<Message>::kProfile)->second;
-    auto reader = own(dds_create_reader(impl->participant->subscriber.get(),
+    const std::string partition = impl->participant->partition(part);
+    if (!part.empty()) {
+        auto subscriber = own(dds_create_subscriber(impl->participant->participant.get(),
+                                                    partition_qos(partition).get(),
+                                                    nullptr),
+                              "a subscriber");
+        if (!subscriber) return tl::unexpected(subscriber.error());
+        impl->subscriber = std::move(*subscriber);
+    }
+    auto reader = own(dds_create_reader(part.empty() ? impl->participant->subscriber.get()
+                                                     : impl->subscriber.get(),
                                         impl->topic.get(),
                                         make_reader_qos(profile.reader).get(),
                                         nullptr),
@@ -155,6 +178,7 @@ Expected<Reader<Message>> Reader<Message>::create(const Participant& participant
     impl->watched = impl->participant->peers.watch({Topic<Message>::kName,
                                                     impl->topic.get(),
                                                     impl->reader.get(),
+                                                    partition,
                                                     announced,
                                                     /*is_reader=*/true});
     auto condition =
@@ -242,6 +266,9 @@ template class Writer<CameraSilhouette>;
 template class Writer<SiteOrders>;
 template class Writer<ClockAnswer>;
 template class Writer<CameraNodeStatus>;
+template class Writer<RegionOrder>;
+template class Writer<RegionMeshes>;
+template class Writer<RegionNodeStatus>;
 template class Writer<SitePlacement>;
 template class Writer<SceneObject>;
 template class Writer<SoftBody>;
@@ -267,6 +294,9 @@ template class Reader<CameraSilhouette>;
 template class Reader<SiteOrders>;
 template class Reader<ClockAnswer>;
 template class Reader<CameraNodeStatus>;
+template class Reader<RegionOrder>;
+template class Reader<RegionMeshes>;
+template class Reader<RegionNodeStatus>;
 template class Reader<SitePlacement>;
 template class Reader<SceneObject>;
 template class Reader<SoftBody>;

@@ -17,6 +17,7 @@ template <typename Message>
 struct Writer<Message>::Impl {
     std::shared_ptr<Participant::Impl> participant;
     Entity topic;
+    Entity publisher;  // of a part of the world
     Entity writer;
     PeerWatch::Registration watched;
     std::mutex mutex;  // guards the rest
@@ -28,6 +29,7 @@ template <typename Message>
 struct Reader<Message>::Impl {
     std::shared_ptr<Participant::Impl> participant;
     Entity topic;
+    Entity subscriber;  // of a part of the world
     Entity reader;
     PeerWatch::Registration watched;
     std::unique_ptr<DeadlineCount> deadlines;

@@ -50,14 +50,30 @@ struct Indices {
 struct EachOrNone {
     std::size_t max = 0;
 };
-/// Numbers of vertices of contours.
+/// Numbers of vertices of contours; with `counts` as many as these say.
 struct ContourSizes {
     std::size_t max = 0;
+    const std::vector<std::uint32_t>* counts = nullptr;
 };
 /// Points of contours, as many as these sizes say.
 struct Vertices {
     std::size_t max = 0;
     const std::vector<std::uint32_t>& sizes;
+};
+/// Sizes of consecutive parts of `total` bytes; none: it is one part.
+struct PartSizes {
+    std::size_t max = 0;
+    std::size_t total = 0;
+};
+/// Outcomes of different regions, whose meshes have `total` bytes.
+struct MeshesOf {
+    std::size_t max = 0;
+    std::size_t total = 0;
+};
+/// Numbers of contours, one for each of `num` cameras.
+struct ContourCounts {
+    std::size_t num = 0;
+    std::size_t max = kMaxCamerasPerSite;
 };
 /// Indices of different cameras.
 struct CameraSet {

@@ -88,6 +88,7 @@ void fields(auto& v, Of<SiteMesh> auto& m, auto& w) {
     v("SiteMesh.capture_time", m.capture_time, w.capture_time_ns);
     v("SiteMesh.textured_cameras", m.textured_cameras, w.textured_cameras, CameraSet{});
     v("SiteMesh.draco", m.draco, w.draco, AtMost{kMaxCodedBytes});
+    v("SiteMesh.mesh_sizes", m.mesh_sizes, w.mesh_sizes, PartSizes{kMaxRegions, m.draco.size()});
     const EachOrNone frames{m.textured_cameras.size()};
     v("SiteMesh.texture_frames", m.texture_frames, w.texture_frames, frames);
 }
@@ -257,7 +258,7 @@ void fields(auto& v, Of<StreamFeedback> auto& m, auto& w) {
 // presence.idl
 
 void fields(auto& v, Of<Presence> auto& m, auto& w) {
-    v.key("Presence.kind", m.kind, w.kind, Last{ProgramKind::kCameraNode});
+    v.key("Presence.kind", m.kind, w.kind, Last{ProgramKind::kRegionNode});
     v.key("Presence.name", m.name, w.member, Text::kName);
     v.key("Presence.instance", m.instance, w.instance);
     v("Presence.is_holder", m.is_holder, w.is_holder);

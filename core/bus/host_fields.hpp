@@ -54,6 +54,58 @@ void fields(auto& v, Of<ClockAnswer> auto& m, auto& w) {
     v(m.clock_epoch, w.clock_epoch);
 }
 
+void fields(auto& v, Of<RegionOrder> auto& m, auto& w) {
+    v.key("RegionOrder.site", m.site, w.site, Text::kName);
+    v.key("RegionOrder.host", m.host, w.host, Text::kName);
+    v(m.number, w.number);
+    v(m.frame_id, w.frame_id);
+    v("RegionOrder.cameras", m.cameras, w.cameras, CameraSet{});
+    const ContourCounts counts{m.cameras.size()};
+    v("RegionOrder.contour_counts", m.contour_counts, w.contour_counts, counts);
+    const ContourSizes contours{kMaxOrderContours, &m.contour_counts};
+    v("RegionOrder.contour_sizes", m.contour_sizes, w.contour_sizes, contours);
+    const Vertices vertices{kMaxOrderVertices, m.contour_sizes};
+    v("RegionOrder.vertices_px", m.vertices_px, w.vertices_px, vertices);
+}
+
+void fields(auto& v, Of<RegionHull> auto& m, auto& w) {
+    v("RegionMeshes.regions.region", m.region, w.region, AtMost{kMaxRegions - 1});
+    v("RegionMeshes.regions.outcome", m.outcome, w.outcome, Last{RegionOutcome::kFailed});
+    v(m.num_bytes, w.num_bytes);
+}
+
+void fields(auto& v, Of<RegionMeshes> auto& m, auto& w) {
+    v.key("RegionMeshes.site", m.site, w.site, Text::kName);
+    v.key("RegionMeshes.host", m.host, w.host, Text::kName);
+    v(m.frame_id, w.frame_id);
+    v("RegionMeshes.hull_ms", m.hull_ms, w.hull_ms, kStatistic);
+    v("RegionMeshes.mesh_ms", m.mesh_ms, w.mesh_ms, kStatistic);
+    v.part(m.left_out, w.left_out);
+    v("RegionMeshes.reason", m.reason, w.reason, Text::kLine);
+    v("RegionMeshes.draco", m.draco, w.draco, AtMost{kMaxCodedBytes});
+    const MeshesOf meshes{kMaxRegions, m.draco.size()};
+    v("RegionMeshes.regions", m.regions, w.regions, meshes);
+}
+
+void fields(auto& v, Of<RegionNodeStatus> auto& m, auto& w) {
+    v.key("RegionNodeStatus.site", m.site, w.site, Text::kName);
+    v.key("RegionNodeStatus.host", m.host, w.host, Text::kName);
+    v("RegionNodeStatus.time", m.time, w.time_ns);
+    v(m.num_regions, w.num_regions);
+    v(m.num_orders, w.num_orders);
+    v(m.num_meshes, w.num_meshes);
+    v(m.num_dropped_late, w.num_dropped_late);
+    v(m.num_failed, w.num_failed);
+    v(m.num_bytes_published, w.num_bytes_published);
+    v("RegionNodeStatus.orders_per_s", m.orders_per_s, w.orders_per_s, kStatistic);
+    v("RegionNodeStatus.bytes_per_s", m.bytes_per_s, w.bytes_per_s, kStatistic);
+    v("RegionNodeStatus.order_to_mesh", m.order_to_mesh, w.order_to_mesh);
+    v(m.resident_bytes, w.resident_bytes);
+    v.part(m.stages, w.stages);
+    v.part(m.processor, w.processor);
+    v("first_output_s", m.first_output_s, w.first_output_s, kStatistic);
+}
+
 void fields(auto& v, Of<CameraNodeStatus> auto& m, auto& w) {
     v.key("CameraNodeStatus.site", m.site, w.site, Text::kName);
     v.key("CameraNodeStatus.host", m.host, w.host, Text::kName);

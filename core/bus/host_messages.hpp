@@ -66,6 +66,63 @@ struct ClockAnswer {
     std::uint64_t clock_epoch = 0;
 };
 
+/// The silhouettes of one instant, for a host that computes the hulls of regions. Every metaframe,
+/// latest only.
+struct RegionOrder {
+    std::string site;
+    std::string host;          // that computes
+    std::uint64_t number = 0;  // of the order to this host
+    std::uint64_t frame_id = 0;
+    std::vector<std::uint32_t> cameras;              // that have a picture
+    std::vector<std::uint32_t> contour_counts;       // of each of these cameras
+    std::vector<std::uint32_t> contour_sizes;        // vertices of each contour
+    std::vector<std::array<double, 2>> vertices_px;  // of all contours in turn, undistorted
+};
+
+enum class RegionOutcome : std::uint8_t { kNobody, kMesh, kFailed };
+
+struct RegionHull {
+    std::uint32_t region = 0;  // index into the regions of the site's file
+    RegionOutcome outcome = RegionOutcome::kNobody;
+    std::uint32_t num_bytes = 0;  // of its mesh
+
+    bool operator==(const RegionHull&) const = default;
+};
+
+/// The answer to a RegionOrder: the meshes of the regions of one host.
+struct RegionMeshes {
+    std::string site;
+    std::string host;
+    std::uint64_t frame_id = 0;  // as in the order
+    double hull_ms = 0.0;
+    double mesh_ms = 0.0;  // to code the meshes
+    LeftOutTotals left_out;
+    std::string reason;  // printable: why a region failed; empty: none did
+    std::vector<RegionHull> regions;
+    std::vector<std::uint8_t> draco;  // their meshes in turn
+};
+
+/// The state of a program that computes the hulls of regions. 1 Hz. Counters start with the
+/// program.
+struct RegionNodeStatus {
+    std::string site;
+    std::string host;
+    Timestamp time;
+    std::uint32_t num_regions = 0;
+    std::uint64_t num_orders = 0;        // taken
+    std::uint64_t num_meshes = 0;        // published, of all orders
+    std::uint64_t num_dropped_late = 0;  // orders replaced by a newer one before their turn
+    std::uint64_t num_failed = 0;  // orders of which a region failed, or that were not answered
+    std::uint64_t num_bytes_published = 0;
+    double orders_per_s = 0.0;
+    double bytes_per_s = 0.0;
+    LatencySummary order_to_mesh;  // from the taken order to the written meshes
+    std::uint64_t resident_bytes = 0;
+    StageTimes stages;  // hull, coding and publishing
+    ProcessorUse processor;
+    double first_output_s = 0.0;  // from process start to the first meshes; 0: none yet
+};
+
 /// The state of a camera node. 1 Hz. Counters start with the program.
 struct CameraNodeStatus {
     std::string site;

@@ -45,7 +45,9 @@ struct SiteMesh {
     Timestamp capture_time;
     /// A viewer's pair is complete with the CameraTextures of these cameras and `texture_frames`.
     std::vector<std::uint32_t> textured_cameras;
-    std::vector<std::uint8_t> draco;  // empty: nobody is in the site
+    std::vector<std::uint8_t> draco;  // one or more meshes; empty: nobody is in the site
+    /// Bytes of each mesh in `draco`, in turn, where there are several: one of each region.
+    std::vector<std::uint32_t> mesh_sizes{};
     /// Of `textured_cameras`, in that order: camera nodes number their own pictures. Empty: all
     /// have the frame_id and capture_time of this mesh.
     std::vector<FrameKey> texture_frames{};
@@ -293,7 +295,7 @@ struct SavedWorlds {
     std::vector<SavedWorld> worlds;
 };
 
-enum class ProgramKind : std::uint8_t { kSiteNode, kWorldServer, kViewer, kOther, kCameraNode };
+enum class ProgramKind : std::uint8_t { kSiteNode, kWorldServer, kViewer, kOther, kCameraNode, kRegionNode };
 
 /// A process present in the world. Transient local, at its start and every ten seconds.
 struct Presence {

@@ -49,6 +49,8 @@ const char* kind_name(ProgramKind kind) {
             return "viewer";
         case ProgramKind::kCameraNode:
             return "camera node";
+        case ProgramKind::kRegionNode:
+            return "region node";
         default:
             return "program";
     }

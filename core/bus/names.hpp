@@ -18,10 +18,10 @@ bool is_valid_model_file(std::string_view file);
 /// True for at most 255 printable ASCII characters; may be empty.
 bool is_valid_line(std::string_view text);
 
-/// The name of a camera node among the programs of its world: "SITE.HOST".
+/// The name of a camera node or region node among the programs of its world: "SITE.HOST".
 std::string camera_node_name(const std::string& site, const std::string& host);
 
-/// "site", "world server", "viewer", "program", "camera node"; also for a kind from the network.
+/// "site", "world server", "viewer", "program", "camera node", "region node"; also for a kind from the network.
 const char* kind_name(ProgramKind kind);
 
 }  // namespace atrium::bus

@@ -87,6 +87,12 @@ QosPointer make_writer_qos(const EndpointQos& qos) {
 
 // Leaves out the deadline: after a missed deadline a reader of Cyclone DDS 0.10 is no longer told
 // that the instance's writer has left. Reader counts missed deadlines itself (DeadlineCount).
+QosPointer partition_qos(const std::string& partition) {
+    QosPointer qos(dds_create_qos());
+    dds_qset_partition1(qos.get(), partition.c_str());
+    return qos;
+}
+
 QosPointer make_reader_qos(const EndpointQos& qos) { return make_qos(qos); }
 
 Expected<Participant> Participant::create(const BusOptions& options) {
@@ -102,8 +108,7 @@ Expected<Participant> Participant::create(const BusOptions& options) {
     auto participant = own(dds_create_participant(options.domain, nullptr, nullptr),
                            "a participant; too many programs in this domain?");
     if (!participant) return tl::unexpected(participant.error());
-    const QosPointer qos(dds_create_qos());
-    dds_qset_partition1(qos.get(), options.world.c_str());
+    const QosPointer qos = partition_qos(options.world);
     auto publisher =
         own(dds_create_publisher(participant->get(), qos.get(), nullptr), "a publisher");
     if (!publisher) return tl::unexpected(publisher.error());

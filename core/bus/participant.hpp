@@ -15,6 +15,7 @@ struct DeleteQos {
 };
 using QosPointer = std::unique_ptr<dds_qos_t, DeleteQos>;
 
+QosPointer partition_qos(const std::string& partition);
 QosPointer make_writer_qos(const EndpointQos& qos);
 QosPointer make_reader_qos(const EndpointQos& qos);
 
@@ -29,6 +30,11 @@ struct Participant::Impl {
     Entity publisher;   // in the world's partition
     Entity subscriber;  // in the world's partition
     PeerWatch peers;
+
+    /// The partition of a part of the world; of the world itself if `part` is empty.
+    std::string partition(const std::string& part) const {
+        return part.empty() ? world : world + "/" + part;
+    }
 };
 
 }  // namespace atrium::bus

@@ -235,12 +235,12 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
     for (const WatchedEndpoint& ours : endpoints) {
         if (ours.is_reader != theirs_write || ours.topic_name != theirs.topic_name) continue;
         const std::vector<std::string> worlds = worlds_of(theirs.qos);
-        if (std::ranges::none_of(worlds, [this](const std::string& pattern) {
-                return ::fnmatch(pattern.c_str(), world.c_str(), 0) == 0;
+        if (std::ranges::none_of(worlds, [&](const std::string& pattern) {
+                return ::fnmatch(pattern.c_str(), ours.partition.c_str(), 0) == 0;
             })) {
             const Entity& reader = theirs_write ? publications : subscriptions;
             remember_other_worlds(worlds, {reader.get(), handle});
-            return;
+            continue;
         }
         std::string why;
         const EndpointQos qos = get_qos(theirs.qos);
@@ -271,7 +271,8 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
 void PeerWatch::State::remember_other_worlds(const std::vector<std::string>& worlds,
                                              const Witness& witness) {
     for (const std::string& name : worlds) {
-        if (other_worlds.size() < kMaxOtherWorlds && is_valid_name(name))
+        // one with a slash is a part of a world
+        if (other_worlds.size() < kMaxOtherWorlds && is_valid_name(name) && name != world)
             other_worlds.emplace(name, witness);
     }
 }

@@ -21,6 +21,7 @@ struct WatchedEndpoint {
     std::string topic_name;
     dds_entity_t topic = 0;
     dds_entity_t entity = 0;
+    std::string partition;
     EndpointQos qos;
     bool is_reader = false;
 };

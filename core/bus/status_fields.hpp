@@ -94,6 +94,7 @@ void fields(auto& v, Of<HostStatus> auto& m, auto& w) {
     v("SiteStatus.hosts.clock_offset_ms", m.clock_offset_ms, w.clock_offset_ms, offset);
     v("SiteStatus.hosts.clock_error_ms", m.clock_error_ms, w.clock_error_ms, kStatistic);
     v(m.num_cameras, w.num_cameras);
+    v(m.num_regions, w.num_regions);
     v(m.num_left_out, w.num_left_out);
 }
 

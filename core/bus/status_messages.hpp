@@ -107,7 +107,7 @@ struct RigCoherence {
 
 enum class HostState : std::uint8_t { kMissing, kInUse, kClockUnknown, kClockWrong, kLate };
 
-/// One host of a site whose cameras hang on several.
+/// One host of a site on several: its cameras, or the regions whose hulls it computes.
 struct HostStatus {
     std::string name;
     HostState state = HostState::kMissing;
@@ -116,7 +116,9 @@ struct HostStatus {
     double clock_offset_ms = 0.0;
     double clock_error_ms = 0.0;  // how far off that figure may be
     std::uint32_t num_cameras = 0;
-    std::uint64_t num_left_out = 0;  // pictures that were not used because of the host's state
+    /// 0: it has cameras. The clock, kClockUnknown and kClockWrong concern cameras only.
+    std::uint32_t num_regions = 0;
+    std::uint64_t num_left_out = 0;  // pictures or orders not used because of the host's state
 
     bool operator==(const HostStatus&) const = default;
 };
@@ -146,7 +148,7 @@ struct SiteStatus {
     double first_output_s = 0.0;  // from process start to the first metaframe; 0: none yet
     RigCoherence coherence;
     std::string finding;  // printable: what silhouettes show to be wrong, with its cure; or empty
-    std::vector<HostStatus> hosts;  // with cameras of this site; empty: one process does all
+    std::vector<HostStatus> hosts;  // with cameras or regions; empty: one process does all
 };
 
 /// The state of a world server. 1 Hz. Counters start with the program.

@@ -68,6 +68,19 @@ struct Topic<CameraNodeStatus>
     static constexpr const char* kName = "CameraNodeStatus";
 };
 template <>
+struct Topic<RegionOrder> : WireTopic<atrium_RegionOrder, atrium_RegionOrder_desc, kTexture> {
+    static constexpr const char* kName = "RegionOrder";
+};
+template <>
+struct Topic<RegionMeshes> : WireTopic<atrium_RegionMeshes, atrium_RegionMeshes_desc, kTexture> {
+    static constexpr const char* kName = "RegionMeshes";
+};
+template <>
+struct Topic<RegionNodeStatus>
+    : WireTopic<atrium_RegionNodeStatus, atrium_RegionNodeStatus_desc, kStatus> {
+    static constexpr const char* kName = "RegionNodeStatus";
+};
+template <>
 struct Topic<SitePlacement>
     : WireTopic<atrium_SitePlacement, atrium_SitePlacement_desc, kDescription> {
     static constexpr const char* kName = "SitePlacement";

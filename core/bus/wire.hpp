@@ -29,6 +29,7 @@ using WireScratch = std::tuple<std::vector<atrium_Camera>,
                                std::vector<atrium_CameraCoherence>,
                                std::vector<atrium_FrameKey>,
                                std::vector<atrium_HostStatus>,
+                               std::vector<atrium_RegionHull>,
                                std::vector<atrium_SavedWorld>,
                                std::vector<atrium_ProxyPoint>,
                                std::vector<atrium_Touch>>;

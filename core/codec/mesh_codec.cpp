@@ -239,6 +239,7 @@ Expected<std::size_t> MeshEncoder::encode(const TriangleMesh& mesh,
 
 struct MeshDecoder::State {
     EdgebreakerReader reader;
+    TriangleMesh part;
 };
 
 MeshDecoder::MeshDecoder() : state_(std::make_unique<State>()) {}
@@ -259,6 +260,27 @@ Expected<void> MeshDecoder::decode(std::span<const std::uint8_t> bytes,
     } catch (const std::exception& error) {
         return invalid_mesh(error.what());
     }
+}
+
+Expected<void> MeshDecoder::decode(std::span<const std::uint8_t> bytes,
+                                   std::span<const std::uint32_t> sizes,
+                                   const MeshLimits& limits,
+                                   TriangleMesh& out) {
+    if (sizes.empty()) return decode(bytes, limits, out);
+    out.clear();
+    MeshLimits left = limits;
+    for (const std::uint32_t size : sizes) {
+        if (size > bytes.size()) return invalid_mesh("shorter than the sizes of its parts say");
+        if (auto read = decode(bytes.first(size), left, state_->part); !read) return read;
+        bytes = bytes.subspan(size);
+        geometry::append(out, state_->part);
+        left.max_vertices =
+            limits.max_vertices - static_cast<std::uint32_t>(out.vertices.size());
+        left.max_triangles =
+            limits.max_triangles - static_cast<std::uint32_t>(out.triangles.size());
+    }
+    if (!bytes.empty()) return invalid_mesh("longer than the sizes of its parts say");
+    return {};
 }
 
 }  // namespace atrium::codec

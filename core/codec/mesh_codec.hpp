@@ -97,6 +97,13 @@ public:
                           const MeshLimits& limits,
                           geometry::TriangleMesh& out);
 
+    /// The same for several meshes one after another in `bytes`, of `sizes` bytes each: replaces
+    /// `out` by all of them as one mesh, within `limits` as a whole. No sizes: it is one mesh.
+    Expected<void> decode(std::span<const std::uint8_t> bytes,
+                          std::span<const std::uint32_t> sizes,
+                          const MeshLimits& limits,
+                          geometry::TriangleMesh& out);
+
 private:
     struct State;
     std::unique_ptr<State> state_;

@@ -60,6 +60,13 @@ double volume_m3(const TriangleMesh& mesh) {
     return six_volumes / 6.0;
 }
 
+void append(TriangleMesh& mesh, const TriangleMesh& part) {
+    const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
+    for (const auto& [a, b, c] : part.triangles)
+        mesh.triangles.push_back({a + offset, b + offset, c + offset});
+}
+
 Aabb bounds(const TriangleMesh& mesh) {
     Aabb box;
     for (const Eigen::Vector3d& p : mesh.vertices) box.add(p);

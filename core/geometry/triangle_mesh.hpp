@@ -40,6 +40,9 @@ MeshReport inspect(const TriangleMesh& mesh);
 double volume_m3(const TriangleMesh& mesh);
 Aabb bounds(const TriangleMesh& mesh);
 
+/// Adds the vertices and triangles of `part` to `mesh`.
+void append(TriangleMesh& mesh, const TriangleMesh& part);
+
 /// Computes unit normals for display, one per vertex: the mean of the triangles' normals, weighted
 /// by their angles at the vertex (Thürmer, Wüthrich, "Computing Vertex Normals from Polygonal
 /// Facets", 1998). Zero if the vertex has no triangle with area.

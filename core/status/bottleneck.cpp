@@ -159,11 +159,14 @@ std::string advice(Cause cause, bus::ProgramKind kind, double share_of_host) {
     std::string less = "give it less to do";
     if (kind == bus::ProgramKind::kSiteNode || kind == bus::ProgramKind::kCameraNode)
         less = "lower capture.rate_hz, or use fewer or smaller pictures";
+    if (kind == bus::ProgramKind::kRegionNode)
+        less = "lower capture.rate_hz, or give regions to more hosts";
     if (kind == bus::ProgramKind::kWorldServer) less = "lower world.tick_hz, or use fewer objects";
     if (kind == bus::ProgramKind::kViewer)
         less = "make the picture smaller (view.width, view.height), or lower view.max_fps";
     if (cause == Cause::kWork &&
-        (kind == bus::ProgramKind::kSiteNode || kind == bus::ProgramKind::kCameraNode))
+        (kind == bus::ProgramKind::kSiteNode || kind == bus::ProgramKind::kCameraNode ||
+         kind == bus::ProgramKind::kRegionNode))
         return less + " or more site.threads";
     return cause == Cause::kWork ? less : "run fewer programs on this host, " + less;
 }

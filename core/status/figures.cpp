@@ -51,8 +51,14 @@ Figures::Alarm alarm_of(const std::string& camera,
             fault.cure};
 }
 
-// "left in use 0.02 ms", "right clock wrong 20.13 ms", "hall missing".
+// "left in use 0.02 ms", "right clock wrong 20.13 ms", "attic missing", "cellar in use 2 regions".
 std::string text_of(const bus::HostStatus& host) {
+    if (host.num_regions > 0)
+        return fmt::format("{} {} {} region{}",
+                           host.name,
+                           spaced(name_of(host.state)),
+                           host.num_regions,
+                           host.num_regions == 1 ? "" : "s");
     const bool has_clock =
         host.state != bus::HostState::kMissing && host.state != bus::HostState::kClockUnknown;
     const std::string clock = has_clock ? fmt::format(" {:.2f} ms", host.clock_offset_ms) : "";
@@ -71,10 +77,19 @@ Figures::Alarm alarm_of(const bus::HostStatus& host) {
                     "atrium doctor there",
                     "the network delays the measurement of its clock, or it just came"};
         case bus::HostState::kLate:
+            if (host.num_regions > 0)
+                return {what + ": its meshes come too late",
+                        "atrium plan",
+                        "it has too many regions, or too few cores: atrium plan; or its network is "
+                        "too slow: atrium doctor on that host"};
             return {what + ": its silhouettes come too late",
                     "atrium doctor there",
                     "its processor or its network is too slow: atrium doctor on that host"};
         default:
+            if (host.num_regions > 0)
+                return {what + ": nothing comes from it",
+                        "is site_node running there?",
+                        "start site_node on that host, and check its network"};
             return {what + ": nothing comes from it",
                     "is camera_node running there?",
                     "start camera_node on that host, and check its network"};
@@ -221,6 +236,22 @@ Figures figures_of(const bus::CameraNodeStatus& status) {
                       {"CameraTexture", status.texture_bytes_per_s}};
     for (const bus::CameraStatus& camera : status.cameras)
         figures.cameras.push_back(figures_of(camera));
+    return figures;
+}
+
+Figures figures_of(const bus::RegionNodeStatus& status) {
+    Figures figures = process_figures(status, "orders/s", status.orders_per_s);
+    figures.work = {{"orders", status.num_orders},
+                    {"meshes", status.num_meshes},
+                    {"bytes_published", status.num_bytes_published}};
+    figures.losses = {{"dropped_late", status.num_dropped_late, kAlarming},
+                      {"failed", status.num_failed, kAlarming}};
+    figures.stages = {{"order_to_mesh", status.order_to_mesh},
+                      stage("hull", status.stages.hull_ms),
+                      stage("coding", status.stages.coding_ms),
+                      stage("publishing", status.stages.publishing_ms)};
+    figures.topics = {{"RegionMeshes", status.bytes_per_s}};
+    figures.notes = {{"regions", fmt::format("{}", status.num_regions)}};
     return figures;
 }
 

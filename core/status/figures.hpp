@@ -68,6 +68,7 @@ Figures figures_of(const bus::SiteStatus& status);
 Figures figures_of(const bus::WorldStatus& status);
 Figures figures_of(const bus::ViewerStatus& status);
 Figures figures_of(const bus::CameraNodeStatus& status);
+Figures figures_of(const bus::RegionNodeStatus& status);
 
 /// The name of a figure for people: "dropped late" for "dropped_late".
 std::string spaced(std::string name);

@@ -60,8 +60,9 @@ Expected<Stages> make_stages(capture::FrameSource& source,
     return stages;
 }
 
-Expected<CameraWork::Writers> open_writers(const bus::Participant& participant) {
-    auto silhouettes = bus::Writer<bus::CameraSilhouette>::create(participant);
+Expected<CameraWork::Writers> open_writers(const bus::Participant& participant,
+                                           const std::string& site) {
+    auto silhouettes = bus::Writer<bus::CameraSilhouette>::create(participant, site);
     if (!silhouettes) return tl::unexpected(silhouettes.error());
     auto textures = bus::Writer<bus::CameraTexture>::create(participant);
     if (!textures) return tl::unexpected(textures.error());
@@ -90,7 +91,7 @@ Expected<Part> own_part(const SiteNodeConfig& config) {
             "--preview, --write-silhouettes: site_node has them, in a site of one process");
     auto rig = load_checked_rig(config);
     if (!rig) return tl::unexpected(rig.error());
-    if (auto fits = hosts::check_hosts(config.hosts, *rig, config.name); !fits)
+    if (auto fits = site_node::check_hosts(config, *rig); !fits)
         return tl::unexpected(fits.error());
     if (auto fits = check_areas(config.pipeline, *rig); !fits) return tl::unexpected(fits.error());
     const std::string name = site_node::own_host(config);
@@ -153,7 +154,7 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
     std::vector<std::unique_ptr<Camera>> cameras;
     for (std::size_t i = 0; i < indices.size(); ++i) {
         // One per camera: Cyclone DDS repairs only one fragmented sample per writer and round trip.
-        auto writers = open_writers(*participant);
+        auto writers = open_writers(*participant, config.name);
         if (!writers) return tl::unexpected(writers.error());
         auto camera = std::make_unique<Camera>();
         camera->index = indices[i];
@@ -165,9 +166,9 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
                                                     std::move(*writers));
         cameras.push_back(std::move(camera));
     }
-    auto orders = bus::Reader<bus::SiteOrders>::create(*participant);
+    auto orders = bus::Reader<bus::SiteOrders>::create(*participant, config.name);
     if (!orders) return tl::unexpected(orders.error());
-    auto answers = bus::Writer<bus::ClockAnswer>::create(*participant);
+    auto answers = bus::Writer<bus::ClockAnswer>::create(*participant, config.name);
     if (!answers) return tl::unexpected(answers.error());
     auto status = bus::Writer<bus::CameraNodeStatus>::create(*participant);
     if (!status) return tl::unexpected(status.error());

@@ -242,7 +242,7 @@ void HostTable::look(Time now) {
     for (Host& host : hosts_) enter(host, judge(host, now), now);
 }
 
-std::vector<HostTable::Event> HostTable::take_events() { return std::exchange(events_, {}); }
+std::vector<HostEvent> HostTable::take_events() { return std::exchange(events_, {}); }
 
 bool HostTable::is_in_use(std::size_t camera) const {
     return owners_[camera] && hosts_[*owners_[camera]].state == bus::HostState::kInUse;
@@ -253,12 +253,12 @@ std::vector<bus::HostStatus> HostTable::statuses() const {
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
         const Host& host = hosts_[i];
         const auto num_cameras = std::ranges::count(owners_, std::optional<std::size_t>(i));
-        statuses.push_back({host.entry.name,
-                            host.state,
-                            milliseconds(host.clock.offset),
-                            milliseconds(host.clock.error),
-                            static_cast<std::uint32_t>(num_cameras),
-                            host.num_left_out});
+        statuses.push_back({.name = host.entry.name,
+                            .state = host.state,
+                            .clock_offset_ms = milliseconds(host.clock.offset),
+                            .clock_error_ms = milliseconds(host.clock.error),
+                            .num_cameras = static_cast<std::uint32_t>(num_cameras),
+                            .num_left_out = host.num_left_out});
     }
     return statuses;
 }

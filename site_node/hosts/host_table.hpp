@@ -4,6 +4,7 @@
 #include "core/bus/messages.hpp"
 #include "site_node/capture/metaframe.hpp"
 #include "site_node/hosts/host_clock.hpp"
+#include "site_node/hosts/host_event.hpp"
 #include "site_node/hosts/site_hosts.hpp"
 
 #include <chrono>
@@ -51,12 +52,8 @@ public:
     /// Decides anew which hosts are in use. Call it several times a second.
     void look(Time now);
 
-    /// Lines for the log since the last call: hosts that come and go, and why.
-    struct Event {
-        bool is_warning = false;
-        std::string line;
-    };
-    std::vector<Event> take_events();
+    /// Lines for the log since the last call.
+    std::vector<HostEvent> take_events();
 
     std::vector<bus::HostStatus> statuses() const;
     bool is_in_use(std::size_t camera) const;
@@ -87,7 +84,7 @@ private:
     HostTableOptions options_;
     std::vector<Host> hosts_;
     std::vector<std::optional<std::size_t>> owners_;  // per camera; empty: none has it
-    std::vector<Event> events_;
+    std::vector<HostEvent> events_;
     bool told_stranger_ = false;
 };
 

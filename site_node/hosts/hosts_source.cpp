@@ -32,13 +32,13 @@ HostTableOptions table_options(const config::Rig& rig, const HostsSourceOptions&
 Expected<std::unique_ptr<HostsSource>> HostsSource::open(const bus::Participant& participant,
                                                          const config::Rig& rig,
                                                          HostsSourceOptions options) {
-    auto silhouettes = bus::Reader<bus::CameraSilhouette>::create(participant);
+    auto silhouettes = bus::Reader<bus::CameraSilhouette>::create(participant, options.site);
     if (!silhouettes) return tl::unexpected(silhouettes.error());
-    auto answers = bus::Reader<bus::ClockAnswer>::create(participant);
+    auto answers = bus::Reader<bus::ClockAnswer>::create(participant, options.site);
     if (!answers) return tl::unexpected(answers.error());
     auto nodes = bus::Reader<bus::CameraNodeStatus>::create(participant);
     if (!nodes) return tl::unexpected(nodes.error());
-    auto orders = bus::Writer<bus::SiteOrders>::create(participant);
+    auto orders = bus::Writer<bus::SiteOrders>::create(participant, options.site);
     if (!orders) return tl::unexpected(orders.error());
     auto waiter = bus::Waiter::create(participant);
     if (!waiter) return tl::unexpected(waiter.error());
@@ -169,12 +169,12 @@ void HostsSource::take_statuses() {
 }
 
 void HostsSource::log_events() {
-    std::vector<HostTable::Event> events;
+    std::vector<HostEvent> events;
     {
         const std::lock_guard lock(mutex_);
         events = table_.take_events();
     }
-    for (const HostTable::Event& event : events)
+    for (const HostEvent& event : events)
         app::log::write(event.is_warning ? app::log::Level::kWarn : app::log::Level::kInfo,
                         event.line);
 }

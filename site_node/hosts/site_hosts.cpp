@@ -43,21 +43,24 @@ void read_hosts(config::TableReader& reader, std::vector<HostEntry>& hosts) {
             host.takes_any = which == "auto";
         }
         table.read("model", host.is_model);
+        table.read("regions", host.regions);
         table.read("cores", host.cores, {1, 1024});
         table.read("score", host.score, {0, 1e6});
         table.read("link_gbit_per_s", host.link_gbit_per_s, {1e-3, 1e3});
-        if (!host.is_model && !host.takes_any && host.cameras.empty())
+        if (!host.is_model && !host.takes_any && host.cameras.empty() && host.regions.empty())
             table.reject("cameras",
-                         "must name cameras of the rig, or be \"auto\": a host without cameras and "
-                         "without model = true has nothing to do");
+                         "must name cameras of the rig, or be \"auto\": a host without cameras, "
+                         "without regions and without model = true has nothing to do");
         hosts.push_back(std::move(host));
     }
 }
 
 Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
                            const config::Rig& rig,
+                           std::span<const std::string> regions,
                            const std::string& site) {
     std::map<std::string, std::string> host_of_camera;
+    std::map<std::string, std::string> region_hosts;
     std::map<std::string, int> num_named;
     const HostEntry* model = nullptr;
     bool takes_any = false;
@@ -78,6 +81,22 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
                          "'{}'",
                          host.name);
         takes_any |= host.takes_any;
+        for (const std::string& region : host.regions) {
+            if (std::ranges::find(regions, region) == regions.end())
+                return wrong(host.place,
+                             "'{}' computes region '{}', which the file lacks; its [[hull.region]] "
+                             "are {}",
+                             host.name,
+                             region,
+                             regions.empty() ? "none" : fmt::format("{}", fmt::join(regions, ", ")));
+            const auto [former, is_new] = region_hosts.emplace(region, host.name);
+            if (!is_new)
+                return wrong(host.place,
+                             "region '{}' is on '{}' and on '{}'",
+                             region,
+                             former->second,
+                             host.name);
+        }
         for (const std::string& camera : host.cameras) {
             if (std::ranges::find(rig.cameras, camera, &geometry::CalibratedCamera::name) ==
                 rig.cameras.end()) {
@@ -105,6 +124,14 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
             return wrong(hosts.front().place, "camera '{}' hangs on none", camera.name);
     }
     return {};
+}
+
+const HostEntry* host_of_region(const std::vector<HostEntry>& hosts, const std::string& region) {
+    for (const HostEntry& host : hosts) {
+        if (!host.is_model && std::ranges::find(host.regions, region) != host.regions.end())
+            return &host;
+    }
+    return nullptr;
 }
 
 Expected<HostEntry> find_host(const std::vector<HostEntry>& hosts, const std::string& name) {

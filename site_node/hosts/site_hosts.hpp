@@ -4,6 +4,7 @@
 #include "core/config/rig.hpp"
 #include "core/config/table_reader.hpp"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,9 @@ struct HostEntry {
     std::string name;                  // as `hostname` prints it
     std::vector<std::string> cameras;  // of the rig, by name
     bool takes_any = false;  // cameras = "auto": those that answer there and no other host names
-    bool is_model = false;   // computes the hull
+    bool is_model = false;   // collects the silhouettes and computes the hull
     std::string place;       // in the file, for errors: "site.toml:7"
+    std::vector<std::string> regions{};  // whose hulls it computes instead of the model part
     // of the computer, for `atrium plan` only
     int cores = 4;
     double score = 0.0;            // of one core (bench/score.sh); 0: as the machine of the costs
@@ -25,11 +27,16 @@ struct HostEntry {
 /// Reads every `[[host]]`. `reader` collects the errors.
 void read_hosts(config::TableReader& reader, std::vector<HostEntry>& hosts);
 
-/// Checks the hosts of site `site` against its rig: each camera hangs on one host, one host has the
-/// model part. Errors: kConfiguration, with the place in the file.
+/// Checks the hosts of site `site` against its rig and the names of its regions: each camera hangs
+/// on one host, each region is on one at most, one host has the model part. Errors: kConfiguration,
+/// with the place in the file.
 Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
                            const config::Rig& rig,
+                           std::span<const std::string> regions,
                            const std::string& site);
+
+/// The host other than the model part's that computes this region; null: the model part does.
+const HostEntry* host_of_region(const std::vector<HostEntry>& hosts, const std::string& region);
 
 /// Finds the entry of host `name`. Error kConfiguration: names the hosts of the file.
 Expected<HostEntry> find_host(const std::vector<HostEntry>& hosts, const std::string& name);

@@ -30,11 +30,7 @@ void add_times(const StageTimes& part, StageTimes& sum) {
 }
 
 void add_part(const VisualHull& part, VisualHull& hull) {
-    const auto offset = static_cast<std::uint32_t>(hull.mesh.vertices.size());
-    hull.mesh.vertices.insert(
-        hull.mesh.vertices.end(), part.mesh.vertices.begin(), part.mesh.vertices.end());
-    for (const auto& [a, b, c] : part.mesh.triangles)
-        hull.mesh.triangles.push_back({a + offset, b + offset, c + offset});
+    geometry::append(hull.mesh, part.mesh);
     hull.num_components += part.num_components;
     hull.num_phantoms_dropped += part.num_phantoms_dropped;
     hull.num_fragments_dropped += part.num_fragments_dropped;
@@ -58,22 +54,26 @@ void compute_region_hulls(std::span<const SilhouetteView* const> views,
     hull.status = HullStatus::kEmptyIntersection;
     HullStatus failure = HullStatus::kEmptyIntersection;
     HullOptions region_options = options;
-    for (const Region& region : regions) {
+    scratch.parts.resize(regions.size());
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+        const Region& region = regions[r];
+        VisualHull& part = scratch.parts[r];
+        clear(part);
+        part.status = HullStatus::kEmptyIntersection;
+        if (region.is_elsewhere) continue;
         if (!choose_views(views, region, scratch.views)) {
             clear(hull);
             hull.status = HullStatus::kInvalidInput;
             return;
         }
         if (scratch.views.size() < region.min_delivered) {
-            clear(scratch.part);
-            scratch.part.status = HullStatus::kTooFewViews;
+            part.status = HullStatus::kTooFewViews;
         } else {
             region_options.bounds = region.bounds;
-            compute_visual_hull(
-                scratch.views, region_options, scratch.hull, executor, scratch.part);
+            compute_visual_hull(scratch.views, region_options, scratch.hull, executor, part);
         }
-        const HullStatus status = scratch.part.status;
-        add_part(scratch.part, hull);
+        const HullStatus status = part.status;
+        add_part(part, hull);
         if (status == HullStatus::kOk) {
             hull.status = HullStatus::kOk;
         } else if (status != HullStatus::kEmptyIntersection) {

@@ -20,16 +20,18 @@ struct Region {
     geometry::Aabb bounds;             // site frame [m]; regions should not overlap
     std::vector<std::uint32_t> views;  // indices of its cameras; empty: all
     std::uint32_t min_delivered = 1;   // with fewer views delivered it has no hull
+    bool is_elsewhere = false;         // another host computes it
 };
 
 struct RegionScratch {
     HullScratch hull;
-    VisualHull part;
+    std::vector<VisualHull> parts;  // the hull of each region
     std::vector<const SilhouetteView*> views;
 };
 
-/// Computes the hulls of all regions and joins them into one mesh. A body across the border of two
-/// regions is cut there. Counts and times are sums.
+/// Computes the hulls of all regions, `scratch.parts`, and joins them into one mesh. A body across
+/// the border of two regions is cut there. Counts and times are sums. A region elsewhere has an
+/// empty part.
 ///
 /// `views[i]` may be null: the camera has delivered nothing, and the others are used.
 /// `options.bounds` is replaced by the bounds of each region. A region that fails beside successful

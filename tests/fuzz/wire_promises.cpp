@@ -56,6 +56,9 @@ std::string broken_promise(const bus::SiteMesh& message) {
         return "a camera's index";
     const std::size_t num_frames = message.texture_frames.size();
     if (num_frames != 0 && num_frames != cameras.size()) return "a texture's frame";
+    std::uint64_t num_bytes = 0;
+    for (const std::uint32_t size : message.mesh_sizes) num_bytes += size;
+    if (!message.mesh_sizes.empty() && num_bytes != message.draco.size()) return "a mesh's size";
     return unless(message.draco.size() <= bus::kMaxCodedBytes, "too many bytes");
 }
 
@@ -81,6 +84,40 @@ std::string broken_promise(const bus::CameraNodeStatus& message) {
     if (message.silhouettes_per_s < 0.0 || message.silhouette_bytes_per_s < 0.0 ||
         message.texture_bytes_per_s < 0.0)
         return "a rate";
+    return broken_by_process(message.processor, message.first_output_s);
+}
+
+std::string broken_promise(const bus::RegionOrder& message) {
+    const auto& cameras = message.cameras;
+    const std::set<std::uint32_t> distinct(cameras.begin(), cameras.end());
+    if (distinct.size() != cameras.size()) return "a camera twice";
+    if (!distinct.empty() && *distinct.rbegin() >= bus::kMaxCamerasPerSite)
+        return "a camera's index";
+    if (message.contour_counts.size() != cameras.size()) return "a camera without contours";
+    std::uint64_t num_contours = 0;
+    for (const std::uint32_t count : message.contour_counts) num_contours += count;
+    if (num_contours != message.contour_sizes.size()) return "a camera's contours";
+    std::uint64_t num_vertices = 0;
+    for (const std::uint32_t size : message.contour_sizes) num_vertices += size;
+    if (num_vertices != message.vertices_px.size()) return "a contour's size";
+    return unless(num_vertices <= bus::kMaxOrderVertices, "too many vertices");
+}
+
+std::string broken_promise(const bus::RegionMeshes& message) {
+    if (message.regions.size() > bus::kMaxRegions) return "too many regions";
+    std::set<std::uint32_t> distinct;
+    std::uint64_t num_bytes = 0;
+    for (const bus::RegionHull& hull : message.regions) {
+        if (hull.region >= bus::kMaxRegions || !distinct.insert(hull.region).second)
+            return "a region's index";
+        if ((hull.num_bytes > 0) != (hull.outcome == bus::RegionOutcome::kMesh)) return "a mesh";
+        num_bytes += hull.num_bytes;
+    }
+    return unless(num_bytes == message.draco.size(), "a mesh's size");
+}
+
+std::string broken_promise(const bus::RegionNodeStatus& message) {
+    if (message.orders_per_s < 0.0 || message.bytes_per_s < 0.0) return "a rate";
     return broken_by_process(message.processor, message.first_output_s);
 }
 

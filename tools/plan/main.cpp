@@ -50,7 +50,7 @@ Expected<SitePlan> make(const Options& options) {
     auto rig = site_node::load_checked_rig(config);
     if (!rig) return tl::unexpected(rig.error());
     if (!config.hosts.empty()) {
-        if (auto fits = hosts::check_hosts(config.hosts, *rig, config.name); !fits)
+        if (auto fits = site_node::check_hosts(config, *rig); !fits)
             return tl::unexpected(fits.error());
     }
     auto costs = load_costs(options.costs.empty() ? default_costs() : options.costs);

@@ -89,7 +89,7 @@ Expected<ControlOptions> prepare(const Options& options, Command command) {
     const bool is_recording = config.capture.source == "recording";
     const auto rig = config::load_rig(is_recording ? config.capture.recording : config.capture.rig);
     if (!rig) return tl::unexpected(rig.error());
-    if (auto fits = hosts::check_hosts(config.hosts, *rig, config.name); !fits)
+    if (auto fits = site_node::check_hosts(config, *rig); !fits)
         return tl::unexpected(fits.error());
     ControlOptions out;
     out.command = command;

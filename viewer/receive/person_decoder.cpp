@@ -65,6 +65,7 @@ Expected<void> decode_person(const FramePair& pair,
                              renderer::PersonModel& out) {
     auto decoded = scratch.meshes.decode(
         pair.mesh.draco,
+        pair.mesh.mesh_sizes,
         {.max_triangles = limits.max_triangles, .max_vertices = 3 * limits.max_triangles},
         scratch.mesh);
     if (!decoded) return decoded;

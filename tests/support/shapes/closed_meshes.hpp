@@ -73,11 +73,4 @@ inline geometry::TriangleMesh make_sphere(int times, double radius_m) {
     return mesh;
 }
 
-inline void append(geometry::TriangleMesh& mesh, const geometry::TriangleMesh& more) {
-    const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
-    for (const auto& [a, b, c] : more.triangles)
-        mesh.triangles.push_back({base + a, base + b, base + c});
-}
-
 }  // namespace atrium::test

@@ -65,14 +65,6 @@ geometry::TriangleMesh make_sphere_mesh(double radius_m,
     return mesh;
 }
 
-void append(geometry::TriangleMesh& mesh, const geometry::TriangleMesh& part) {
-    const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
-    for (const auto& t : part.triangles) {
-        mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-    }
-}
-
 geometry::TriangleMesh make_person_mesh(const Eigen::Vector3d& feet, double reach_m, int num_cuts) {
     geometry::TriangleMesh mesh;
     const auto box = [&](const Eigen::Vector3d& size, const Eigen::Vector3d& centre) {

@@ -23,6 +23,4 @@ geometry::TriangleMesh make_sphere_mesh(double radius_m,
 /// with num_cuts = 20.
 geometry::TriangleMesh make_person_mesh(const Eigen::Vector3d& feet, double reach_m, int num_cuts);
 
-void append(geometry::TriangleMesh& mesh, const geometry::TriangleMesh& part);
-
 }  // namespace atrium::physics_test

@@ -134,8 +134,34 @@ private:
     }
     template <typename Wire>
     void fill_elements(std::vector<std::uint32_t>& sizes, ContourSizes limit) {
-        sizes.resize(below(std::min<std::size_t>(limit.max, 8)));
+        sizes.resize(limit.counts == nullptr
+                         ? below(std::min<std::size_t>(limit.max, 8))
+                         : std::accumulate(
+                               limit.counts->begin(), limit.counts->end(), std::size_t{0}));
         for (std::uint32_t& size : sizes) size = static_cast<std::uint32_t>(below(40));
+    }
+    template <typename Wire>
+    void fill_elements(std::vector<std::uint32_t>& counts, ContourCounts limit) {
+        counts.resize(limit.num);
+        for (std::uint32_t& count : counts) count = static_cast<std::uint32_t>(below(4));
+    }
+    template <typename Wire>
+    void fill_elements(std::vector<std::uint32_t>& sizes, PartSizes limit) {
+        sizes.assign(below(3), 0);
+        for (std::size_t left = limit.total, i = 0; i < sizes.size(); ++i) {
+            sizes[i] = static_cast<std::uint32_t>(i + 1 < sizes.size() ? below(left + 1) : left);
+            left -= sizes[i];
+        }
+    }
+    template <typename Wire>
+    void fill_elements(std::vector<RegionHull>& regions, MeshesOf limit) {
+        std::vector<std::uint32_t> sizes;
+        fill_elements<Wire>(sizes, PartSizes{limit.max, limit.total});
+        if (sizes.empty()) sizes.push_back(static_cast<std::uint32_t>(limit.total));
+        for (const std::uint32_t size : sizes)
+            regions.push_back({static_cast<std::uint32_t>(regions.size()),
+                               size > 0 ? RegionOutcome::kMesh : RegionOutcome::kNobody,
+                               size});
     }
     template <typename Wire>
     void fill_elements(std::vector<std::array<double, 2>>& vertices, const Vertices& limits) {

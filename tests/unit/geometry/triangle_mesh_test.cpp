@@ -28,13 +28,6 @@ TriangleMesh box(const Eigen::Vector3d& min, const Eigen::Vector3d& size) {
     return mesh;
 }
 
-void append(TriangleMesh& mesh, const TriangleMesh& other) {
-    const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-    for (const auto& [a, b, c] : other.triangles)
-        mesh.triangles.push_back({a + offset, b + offset, c + offset});
-}
-
 TEST(InspectMesh, AcceptsABox) {
     const MeshReport report = inspect(box({1, 2, 3}, {0.5, 2, 1}));
     EXPECT_TRUE(report.closed);

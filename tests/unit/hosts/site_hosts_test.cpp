@@ -28,7 +28,8 @@ Expected<std::vector<HostEntry>> read(const std::string& text) {
 std::string problem(const std::string& text, const std::string& site = "hall") {
     const auto hosts = read(text);
     if (!hosts) return hosts.error().message;
-    const auto checked = check_hosts(*hosts, rig_of(4), site);
+    const std::vector<std::string> regions{"door", "window"};
+    const auto checked = check_hosts(*hosts, rig_of(4), regions, site);
     return checked ? "" : checked.error().message;
 }
 
@@ -66,7 +67,7 @@ cameras = "auto"
 model = true
 )");
     ASSERT_TRUE(hosts) << hosts.error().message;
-    EXPECT_TRUE(check_hosts(*hosts, rig_of(4), "hall"));
+    EXPECT_TRUE(check_hosts(*hosts, rig_of(4), {}, "hall"));
     EXPECT_THAT(cameras_of((*hosts)[0], *hosts, rig_of(4)), ElementsAre("cam2"));
     EXPECT_THAT(cameras_of((*hosts)[1], *hosts, rig_of(4)), ElementsAre("cam0", "cam1", "cam3"));
 }

@@ -1,0 +1,166 @@
+#include "site_node/hosts/region_hosts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace atrium::hosts {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+void add_camera(std::uint32_t camera,
+                const std::vector<std::vector<Eigen::Vector2d>>& contours_px,
+                bus::RegionOrder& order) {
+    order.cameras.push_back(camera);
+    order.contour_counts.push_back(static_cast<std::uint32_t>(contours_px.size()));
+    for (const auto& contour : contours_px) {
+        order.contour_sizes.push_back(static_cast<std::uint32_t>(contour.size()));
+        for (const Eigen::Vector2d& vertex : contour)
+            order.vertices_px.push_back({vertex.x(), vertex.y()});
+    }
+}
+
+}  // namespace
+
+std::string order_part(const std::string& site, const std::string& host) {
+    return site + "/" + host;
+}
+
+Expected<std::unique_ptr<RegionHosts>> RegionHosts::open(const bus::Participant& participant,
+                                                         RegionHostsOptions options) {
+    std::vector<bus::Writer<bus::RegionOrder>> orders;
+    for (const RegionHost& host : options.hosts) {
+        auto writer = bus::Writer<bus::RegionOrder>::create(participant,
+                                                            order_part(options.site, host.name));
+        if (!writer) return tl::unexpected(writer.error());
+        orders.push_back(std::move(*writer));
+    }
+    auto meshes = bus::Reader<bus::RegionMeshes>::create(participant, options.site);
+    if (!meshes) return tl::unexpected(meshes.error());
+    auto waiter = bus::Waiter::create(participant);
+    if (!waiter) return tl::unexpected(waiter.error());
+    waiter->add(*meshes);
+    return std::unique_ptr<RegionHosts>(new RegionHosts(
+        std::move(options), {std::move(orders), std::move(*meshes), std::move(*waiter)}));
+}
+
+RegionHosts::RegionHosts(RegionHostsOptions options, Bus bus)
+    : options_(std::move(options)),
+      bus_(std::move(bus)),
+      failures_(options_.hosts.size()),
+      table_(options_.hosts, options_.period) {
+    for (const RegionHost& host : options_.hosts) {
+        auto& cameras = cameras_.emplace_back();
+        for (const std::uint32_t region : host.regions)
+            cameras.insert(cameras.end(),
+                           options_.cameras[region].begin(),
+                           options_.cameras[region].end());
+        std::ranges::sort(cameras);
+        cameras.erase(std::unique(cameras.begin(), cameras.end()), cameras.end());
+    }
+}
+
+void RegionHosts::order(std::uint64_t frame_id,
+                        std::span<const hull::SilhouetteView> views,
+                        std::span<const std::uint8_t> delivered) {
+    std::vector<bool> is_connected;
+    for (const auto& writer : bus_.orders) is_connected.push_back(writer.num_readers() > 0);
+    {
+        const std::lock_guard lock(mutex_);
+        table_.begin(frame_id, is_connected, Clock::now());
+    }
+    ++num_orders_;
+    for (std::size_t i = 0; i < options_.hosts.size(); ++i) {
+        failures_[i].clear();
+        if (!is_connected[i]) continue;
+        bus::RegionOrder order;
+        order.site = options_.site;
+        order.host = options_.hosts[i].name;
+        order.number = num_orders_;
+        order.frame_id = frame_id;
+        for (const std::uint32_t camera : cameras_[i]) {
+            if (delivered[camera] != 0) add_camera(camera, views[camera].contours, order);
+        }
+        if (const auto written = bus_.orders[i].write(order); !written)
+            failures_[i] = written.error().message;
+    }
+}
+
+// Whether an answer has each region of its host, and no other.
+bool RegionHosts::is_complete(const bus::RegionMeshes& answer, const RegionHost& host) const {
+    return answer.regions.size() == host.regions.size() &&
+           std::ranges::all_of(answer.regions, [&](const bus::RegionHull& hull) {
+               return std::ranges::find(host.regions, hull.region) != host.regions.end();
+           });
+}
+
+void RegionHosts::take_answers(std::vector<std::optional<bus::RegionMeshes>>& answers) {
+    const auto report = bus_.meshes.take([&](bus::RegionMeshes&& answer) {
+        if (answer.site != options_.site) return;
+        const auto host = std::ranges::find(options_.hosts, answer.host, &RegionHost::name);
+        if (host == options_.hosts.end() || !is_complete(answer, *host)) {
+            complaints_.warn(fmt::format(
+                "meshes_rejected host={} reason=\"the site's file gives this host other regions\" "
+                "advice=\"use one file on all hosts of the site\"",
+                answer.host));
+            return;
+        }
+        const auto index = static_cast<std::size_t>(host - options_.hosts.begin());
+        const std::lock_guard lock(mutex_);
+        if (table_.answered(index, answer.frame_id, Clock::now()))
+            answers[index] = std::move(answer);
+    });
+    if (report.num_rejected > 0)
+        complaints_.warn(fmt::format("meshes_rejected num={} first=\"{}\"",
+                                     report.num_rejected,
+                                     report.first_rejection));
+}
+
+bus::RegionMeshes RegionHosts::without_answer(std::size_t host, std::uint64_t frame_id) const {
+    bus::RegionMeshes failed;
+    failed.site = options_.site;
+    failed.host = options_.hosts[host].name;
+    failed.frame_id = frame_id;
+    failed.reason = failures_[host].empty() ? "it did not answer" : failures_[host];
+    for (const std::uint32_t region : options_.hosts[host].regions)
+        failed.regions.push_back({region, bus::RegionOutcome::kFailed, 0});
+    failed.left_out.num_regions_failed = failed.regions.size();
+    return failed;
+}
+
+std::vector<bus::RegionMeshes> RegionHosts::collect(std::uint64_t frame_id) {
+    std::vector<std::optional<bus::RegionMeshes>> answers(options_.hosts.size());
+    while (true) {
+        take_answers(answers);
+        Clock::duration left;
+        {
+            const std::lock_guard lock(mutex_);
+            left = table_.deadline() - Clock::now();
+            if (!table_.waits_for_any() || left <= Clock::duration::zero()) break;
+        }
+        bus_.waiter.wait(std::chrono::ceil<std::chrono::milliseconds>(left));
+    }
+    std::vector<HostEvent> events;
+    {
+        const std::lock_guard lock(mutex_);
+        table_.end(Clock::now());
+        events = table_.take_events();
+    }
+    for (const HostEvent& event : events)
+        app::log::write(event.is_warning ? app::log::Level::kWarn : app::log::Level::kInfo,
+                        event.line);
+    std::vector<bus::RegionMeshes> all;
+    for (std::size_t i = 0; i < answers.size(); ++i)
+        all.push_back(answers[i] ? std::move(*answers[i]) : without_answer(i, frame_id));
+    return all;
+}
+
+std::vector<bus::HostStatus> RegionHosts::statuses() const {
+    const std::lock_guard lock(mutex_);
+    return table_.statuses();
+}
+
+}  // namespace atrium::hosts

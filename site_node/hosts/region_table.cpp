@@ -1,0 +1,139 @@
+#include "site_node/hosts/region_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace atrium::hosts {
+namespace {
+
+using std::chrono::nanoseconds;
+
+constexpr nanoseconds kLeastPatience = std::chrono::milliseconds(250);
+constexpr nanoseconds kLongestRegionStart = std::chrono::seconds(3);
+constexpr std::size_t kRememberedOrders = 64;
+constexpr int kInTime = 10;  // answers in a row until a late host is waited for again
+
+}  // namespace
+
+RegionTable::RegionTable(std::vector<RegionHost> hosts, nanoseconds period)
+    : names_(std::move(hosts)),
+      patience_(std::max(5 * period, kLeastPatience)),
+      hosts_(names_.size()) {}
+
+void RegionTable::begin(std::uint64_t frame_id,
+                        const std::vector<bool>& is_connected,
+                        Time now) {
+    begun_ = now;
+    orders_.push_back({frame_id, now});
+    if (orders_.size() > kRememberedOrders) orders_.pop_front();
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+        Host& host = hosts_[i];
+        host.has_answered = false;
+        if (is_connected[i] && !host.is_connected) host.is_new = true;
+        host.is_connected = is_connected[i];
+        if (!host.is_connected) enter(i, bus::HostState::kMissing, now);
+    }
+}
+
+bool RegionTable::waits_for(std::size_t i) const {
+    const Host& host = hosts_[i];
+    const bool is_expected = host.state == bus::HostState::kInUse || host.is_new;
+    return host.is_connected && is_expected && !host.has_answered;
+}
+
+bool RegionTable::waits_for_any() const {
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+        if (waits_for(i)) return true;
+    }
+    return false;
+}
+
+bool RegionTable::answered(std::size_t i, std::uint64_t frame_id, Time now) {
+    const auto order = std::ranges::find(orders_, frame_id, &Order::frame_id);
+    if (order == orders_.end()) return false;
+    Host& host = hosts_[i];
+    const bool is_last = order->frame_id == orders_.back().frame_id;
+    const bool is_young = now - order->time <= patience_ / 2;
+    host.last_answer = now;
+    host.has_answered |= is_last;
+    host.num_in_time = is_young ? host.num_in_time + 1 : 0;
+    const bool is_enough = host.state == bus::HostState::kLate ? host.num_in_time >= kInTime
+                                                               : is_young || host.is_new;
+    if (host.state != bus::HostState::kInUse && is_enough) enter(i, bus::HostState::kInUse, now);
+    host.is_new = false;
+    return is_last;
+}
+
+void RegionTable::end(Time now) {
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+        Host& host = hosts_[i];
+        if (waits_for(i)) {
+            // patience is over
+            const bool is_alive = host.last_answer && now - *host.last_answer <= 2 * patience_;
+            enter(i, is_alive ? bus::HostState::kLate : bus::HostState::kMissing, now);
+            host.is_new = false;
+            host.num_in_time = 0;
+        }
+        if (!host.has_answered) ++host.num_left_out;
+        tell(i, now);
+    }
+}
+
+void RegionTable::enter(std::size_t i, bus::HostState state, Time now) {
+    Host& host = hosts_[i];
+    if (host.state != state || !host.since) {
+        host.state = state;
+        host.since = now;
+        host.was_told = false;
+    }
+    tell(i, now);
+}
+
+// Tells of a state once. At the start a host may be missing for a while.
+void RegionTable::tell(std::size_t i, Time now) {
+    Host& host = hosts_[i];
+    if (host.was_told || !host.since) return;
+    const bool is_start = host.state == bus::HostState::kMissing && !host.was_in_use;
+    if (is_start && now - *host.since < kLongestRegionStart) return;
+    host.was_told = true;
+    const std::string& name = names_[i].name;
+    if (host.state == bus::HostState::kInUse) {
+        host.was_in_use = true;
+        events_.push_back(
+            {false,
+             fmt::format("host_in_use host={} regions={}", name, names_[i].regions.size())});
+        return;
+    }
+    const std::string why =
+        host.state == bus::HostState::kLate
+            ? fmt::format("reason=\"its meshes come more than {:.0f} ms after their silhouettes\" "
+                          "advice=\"give it fewer regions or more cores: atrium plan; atrium "
+                          "doctor on that host\"",
+                          milliseconds(patience_))
+            : std::string("reason=\"nothing comes from it\" advice=\"is site_node running there? "
+                          "is the network up?\"");
+    events_.push_back({true,
+                       fmt::format("host_left_out host={} regions={} {}",
+                                   name,
+                                   names_[i].regions.size(),
+                                   why)});
+}
+
+std::vector<HostEvent> RegionTable::take_events() { return std::exchange(events_, {}); }
+
+std::vector<bus::HostStatus> RegionTable::statuses() const {
+    std::vector<bus::HostStatus> statuses;
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+        bus::HostStatus status;
+        status.name = names_[i].name;
+        status.state = hosts_[i].state;
+        status.num_regions = static_cast<std::uint32_t>(names_[i].regions.size());
+        status.num_left_out = hosts_[i].num_left_out;
+        statuses.push_back(std::move(status));
+    }
+    return statuses;
+}
+
+}  // namespace atrium::hosts

@@ -1,0 +1,82 @@
+#pragma once
+
+#include "core/bus/messages.hpp"
+#include "site_node/hosts/host_event.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::hosts {
+
+/// A host that computes regions.
+struct RegionHost {
+    std::string name;
+    std::vector<std::uint32_t> regions;  // indices into the regions of the site's file
+};
+
+/// Decides for which hosts of regions a metaframe waits. Uses neither network nor clock of its own.
+/// Not thread-safe.
+///
+/// A metaframe waits for a host in use for five periods, a quarter of a second at least. Then the
+/// host is missing, or too late if it answered an older order meanwhile, and nobody waits for it
+/// any more. It still gets every order. A missing host is in use again with its first answer to a
+/// young order, one that was too late after ten in a row.
+class RegionTable {
+public:
+    using Time = std::chrono::steady_clock::time_point;
+
+    RegionTable(std::vector<RegionHost> hosts, std::chrono::nanoseconds period);
+
+    /// An order leaves. `is_connected[host]`: DDS has found the host; one that it has just found is
+    /// waited for.
+    void begin(std::uint64_t frame_id, const std::vector<bool>& is_connected, Time now);
+
+    /// Whether the metaframe of the last order waits for this host.
+    bool waits_for(std::size_t host) const;
+    bool waits_for_any() const;
+    Time deadline() const { return begun_ + patience_; }
+
+    /// Takes an answer of `host` to order `frame_id`. True if it is one to the last order.
+    bool answered(std::size_t host, std::uint64_t frame_id, Time now);
+
+    /// The metaframe of the last order goes on.
+    void end(Time now);
+
+    const std::vector<RegionHost>& hosts() const { return names_; }
+    std::vector<HostEvent> take_events();
+    std::vector<bus::HostStatus> statuses() const;
+
+private:
+    struct Order {
+        std::uint64_t frame_id = 0;
+        Time time;
+    };
+    struct Host {
+        bus::HostState state = bus::HostState::kMissing;
+        bool is_connected = false;
+        bool is_new = false;       // connected since its last answer: waited for
+        bool has_answered = false;  // the last order
+        std::optional<Time> last_answer;
+        int num_in_time = 0;  // in a row
+        bool was_in_use = false;
+        bool was_told = false;       // of the state
+        std::optional<Time> since;   // when it entered the state
+        std::uint64_t num_left_out = 0;
+    };
+
+    void enter(std::size_t host, bus::HostState state, Time now);
+    void tell(std::size_t host, Time now);
+
+    std::vector<RegionHost> names_;
+    std::chrono::nanoseconds patience_;
+    std::vector<Host> hosts_;
+    std::deque<Order> orders_;  // the last ones
+    Time begun_{};
+    std::vector<HostEvent> events_;
+};
+
+}  // namespace atrium::hosts
