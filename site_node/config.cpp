@@ -277,8 +277,7 @@ std::string own_host(const SiteNodeConfig& config) {
 
 Expected<void> check_hosts(const SiteNodeConfig& config, const config::Rig& rig) {
     std::vector<std::string> regions;
-    for (const RegionOptions& region : config.pipeline.hull.regions)
-        regions.push_back(region.name);
+    for (const RegionOptions& region : config.pipeline.hull.regions) regions.push_back(region.name);
     return hosts::check_hosts(config.hosts, rig, regions, config.name);
 }
 

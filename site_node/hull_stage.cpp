@@ -152,11 +152,8 @@ Expected<void> HullStage::add_regions(std::span<const geometry::CalibratedCamera
                 key,
                 fmt::format("needs at least {} cameras, got {}", min_delivered_, indices.size()));
         }
-        regions_.push_back({region.name,
-                            region.bounds,
-                            std::move(indices),
-                            min_delivered_,
-                            region.is_elsewhere});
+        regions_.push_back(
+            {region.name, region.bounds, std::move(indices), min_delivered_, region.is_elsewhere});
     }
     return {};
 }

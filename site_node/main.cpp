@@ -1,7 +1,7 @@
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
 #include "site_node/list_cameras.hpp"
-#include "site_node/region_node/region_node.hpp"
+#include "site_node/region_node.hpp"
 #include "site_node/silhouette_writer.hpp"
 #include "site_node/site_node.hpp"
 
@@ -51,6 +51,6 @@ int main(int argc, char** argv) {
                               : site_node::write_silhouettes(config, stop.token());
         return done ? 0 : app::fail(done.error());
     }
-    return region_node::is_region_host(config) ? run<region_node::RegionNode>(config, stop)
-                                               : run<site_node::SiteNode>(config, stop);
+    return site_node::is_region_host(config) ? run<site_node::RegionNode>(config, stop)
+                                             : run<site_node::SiteNode>(config, stop);
 }

@@ -21,8 +21,7 @@ void MeshCoding::encode(std::size_t index,
     const auto begin = std::chrono::steady_clock::now();
     Mesh& coded = meshes_[index];
     codec::MeshCodecOptions options = options_;
-    if (options.position_bits == 0)
-        options.position_bits = codec::position_bits_for(mesh, cameras);
+    if (options.position_bits == 0) options.position_bits = codec::position_bits_for(mesh, cameras);
     coded.result = coded.encoder.encode(mesh, options, coded.draco);
     coded.milliseconds =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();

@@ -18,8 +18,8 @@ double milliseconds_between(Clock::time_point begin, Clock::time_point end) {
     return std::chrono::duration<double, std::milli>(end - begin).count();
 }
 
-// Without any mesh: an error if a hull failed. An empty intersection is a valid answer: nobody is in
-// the room.
+// Without any mesh: an error if a hull failed. An empty intersection is a valid answer: nobody is
+// in the room.
 Expected<void> failure_without_mesh(const SiteFrame& frame) {
     if (!frame.draco.empty()) return {};
     const hull::HullStatus status = frame.hull.status;
@@ -55,8 +55,7 @@ geometry::TriangleMesh whole_mesh(const SiteFrame& frame) {
         std::span<const std::uint8_t> left(remote.draco);
         for (const bus::RegionHull& hull : remote.regions) {
             // a mesh that viewers cannot read either is left out
-            if (decoder.decode(left.first(hull.num_bytes), {}, part))
-                geometry::append(whole, part);
+            if (decoder.decode(left.first(hull.num_bytes), {}, part)) geometry::append(whole, part);
             left = left.subspan(hull.num_bytes);
         }
     }
@@ -328,8 +327,7 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
         if (silhouettes.delivered_[i] != 0)
             hull_.contours(i).swap(silhouettes.cameras_[i]->contours);
     }
-    if (remote_ != nullptr)
-        remote_->order(frame.frame_id, hull_.views(), silhouettes.delivered_);
+    if (remote_ != nullptr) remote_->order(frame.frame_id, hull_.views(), silhouettes.delivered_);
     hull_.compute(silhouettes.delivered_, executor, frame.hull);
 
     const auto encode_begin = Clock::now();

@@ -180,7 +180,7 @@ private:
     std::vector<std::unique_ptr<CameraStage>> stages_;  // one per camera
     HullStage hull_;
     hosts::RemoteRegions* remote_ = nullptr;
-    MeshCoding meshes_;  // one of each region, or one
+    MeshCoding meshes_;                     // one of each region, or one
     std::vector<CodedCamera> spare_coded_;  // memory for cameras that see somebody again
     Silhouettes own_silhouettes_;           // used by `process`
 };

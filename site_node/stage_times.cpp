@@ -10,10 +10,6 @@ constexpr std::size_t kNumStages = 5;
 constexpr std::array<const char*, kNumStages> kStageNames{
     "segmentation", "polygons", "the hull", "the coding of meshes", "the coding of textures"};
 
-std::chrono::nanoseconds from_ms(double ms) {
-    return std::chrono::nanoseconds(static_cast<std::int64_t>(ms * 1e6));
-}
-
 }  // namespace
 
 void StageTimes::computed(const SiteFrame& frame) {
@@ -23,9 +19,9 @@ void StageTimes::computed(const SiteFrame& frame) {
     const std::array<double, kNumStages> spent{
         work.segmentation, work.polygons, milliseconds.hull, work.mesh, work.textures};
     for (std::size_t i = 0; i < kNumStages; ++i) work_ms_[i] += spent[i];
-    silhouettes_.add(from_ms(milliseconds.silhouettes));
-    hull_.add(from_ms(milliseconds.hull));
-    coding_.add(from_ms(milliseconds.encode));
+    silhouettes_.add(from_milliseconds(milliseconds.silhouettes));
+    hull_.add(from_milliseconds(milliseconds.hull));
+    coding_.add(from_milliseconds(milliseconds.encode));
 }
 
 std::optional<StageTimes::Work> StageTimes::largest_work() {

@@ -21,6 +21,9 @@ struct Timestamp {
 inline std::chrono::nanoseconds operator-(Timestamp a, Timestamp b) {
     return std::chrono::nanoseconds(a.ns - b.ns);
 }
+inline std::chrono::nanoseconds from_milliseconds(double ms) {
+    return std::chrono::nanoseconds(static_cast<std::int64_t>(ms * 1e6));
+}
 inline double milliseconds(std::chrono::nanoseconds d) {
     return std::chrono::duration<double, std::milli>(d).count();
 }

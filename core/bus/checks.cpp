@@ -156,6 +156,7 @@ private:
         std::uint64_t num_bytes = 0;  // of some 32-bit numbers: cannot overflow
         static_assert(kMaxRegions == 64);
         for (const RegionHull& hull : regions) {
+            fields(*this, hull, kNoWire<atrium_RegionHull>);  // its own limits come first
             const std::uint64_t bit = std::uint64_t{1} << (hull.region % kMaxRegions);
             if ((seen & bit) != 0) fail(name, "names a region twice");
             seen |= bit;

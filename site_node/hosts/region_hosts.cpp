@@ -33,8 +33,8 @@ Expected<std::unique_ptr<RegionHosts>> RegionHosts::open(const bus::Participant&
                                                          RegionHostsOptions options) {
     std::vector<bus::Writer<bus::RegionOrder>> orders;
     for (const RegionHost& host : options.hosts) {
-        auto writer = bus::Writer<bus::RegionOrder>::create(participant,
-                                                            order_part(options.site, host.name));
+        auto writer =
+            bus::Writer<bus::RegionOrder>::create(participant, order_part(options.site, host.name));
         if (!writer) return tl::unexpected(writer.error());
         orders.push_back(std::move(*writer));
     }
@@ -55,9 +55,8 @@ RegionHosts::RegionHosts(RegionHostsOptions options, Bus bus)
     for (const RegionHost& host : options_.hosts) {
         auto& cameras = cameras_.emplace_back();
         for (const std::uint32_t region : host.regions)
-            cameras.insert(cameras.end(),
-                           options_.cameras[region].begin(),
-                           options_.cameras[region].end());
+            cameras.insert(
+                cameras.end(), options_.cameras[region].begin(), options_.cameras[region].end());
         std::ranges::sort(cameras);
         cameras.erase(std::unique(cameras.begin(), cameras.end()), cameras.end());
     }
@@ -114,9 +113,8 @@ void RegionHosts::take_answers(std::vector<std::optional<bus::RegionMeshes>>& an
             answers[index] = std::move(answer);
     });
     if (report.num_rejected > 0)
-        complaints_.warn(fmt::format("meshes_rejected num={} first=\"{}\"",
-                                     report.num_rejected,
-                                     report.first_rejection));
+        complaints_.warn(fmt::format(
+            "meshes_rejected num={} first=\"{}\"", report.num_rejected, report.first_rejection));
 }
 
 bus::RegionMeshes RegionHosts::without_answer(std::size_t host, std::uint64_t frame_id) const {

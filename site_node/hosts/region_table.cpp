@@ -22,9 +22,7 @@ RegionTable::RegionTable(std::vector<RegionHost> hosts, nanoseconds period)
       patience_(std::max(5 * period, kLeastPatience)),
       hosts_(names_.size()) {}
 
-void RegionTable::begin(std::uint64_t frame_id,
-                        const std::vector<bool>& is_connected,
-                        Time now) {
+void RegionTable::begin(std::uint64_t frame_id, const std::vector<bool>& is_connected, Time now) {
     begun_ = now;
     orders_.push_back({frame_id, now});
     if (orders_.size() > kRememberedOrders) orders_.pop_front();
@@ -59,8 +57,8 @@ bool RegionTable::answered(std::size_t i, std::uint64_t frame_id, Time now) {
     host.last_answer = now;
     host.has_answered |= is_last;
     host.num_in_time = is_young ? host.num_in_time + 1 : 0;
-    const bool is_enough = host.state == bus::HostState::kLate ? host.num_in_time >= kInTime
-                                                               : is_young || host.is_new;
+    const bool is_enough =
+        host.state == bus::HostState::kLate ? host.num_in_time >= kInTime : is_young || host.is_new;
     if (host.state != bus::HostState::kInUse && is_enough) enter(i, bus::HostState::kInUse, now);
     host.is_new = false;
     return is_last;
@@ -102,23 +100,22 @@ void RegionTable::tell(std::size_t i, Time now) {
     if (host.state == bus::HostState::kInUse) {
         host.was_in_use = true;
         events_.push_back(
-            {false,
-             fmt::format("host_in_use host={} regions={}", name, names_[i].regions.size())});
+            {false, fmt::format("host_in_use host={} regions={}", name, names_[i].regions.size())});
         return;
     }
     const std::string why =
         host.state == bus::HostState::kLate
-            ? fmt::format("reason=\"its meshes come more than {:.0f} ms after their silhouettes\" "
-                          "advice=\"give it fewer regions or more cores: atrium plan; atrium "
-                          "doctor on that host\"",
-                          milliseconds(patience_))
-            : std::string("reason=\"nothing comes from it\" advice=\"is site_node running there? "
-                          "is the network up?\"");
-    events_.push_back({true,
-                       fmt::format("host_left_out host={} regions={} {}",
-                                   name,
-                                   names_[i].regions.size(),
-                                   why)});
+            ? fmt::format(
+                  "reason=\"its meshes come more than {:.0f} ms after their silhouettes\" "
+                  "advice=\"give it fewer regions or more cores: atrium plan; atrium "
+                  "doctor on that host\"",
+                  milliseconds(patience_))
+            : std::string(
+                  "reason=\"nothing comes from it\" advice=\"is site_node running there? "
+                  "is the network up?\"");
+    events_.push_back(
+        {true,
+         fmt::format("host_left_out host={} regions={} {}", name, names_[i].regions.size(), why)});
 }
 
 std::vector<HostEvent> RegionTable::take_events() { return std::exchange(events_, {}); }

@@ -58,13 +58,13 @@ private:
     struct Host {
         bus::HostState state = bus::HostState::kMissing;
         bool is_connected = false;
-        bool is_new = false;       // connected since its last answer: waited for
+        bool is_new = false;        // connected since its last answer: waited for
         bool has_answered = false;  // the last order
         std::optional<Time> last_answer;
         int num_in_time = 0;  // in a row
         bool was_in_use = false;
-        bool was_told = false;       // of the state
-        std::optional<Time> since;   // when it entered the state
+        bool was_told = false;      // of the state
+        std::optional<Time> since;  // when it entered the state
         std::uint64_t num_left_out = 0;
     };
 

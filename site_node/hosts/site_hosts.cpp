@@ -83,12 +83,13 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
         takes_any |= host.takes_any;
         for (const std::string& region : host.regions) {
             if (std::ranges::find(regions, region) == regions.end())
-                return wrong(host.place,
-                             "'{}' computes region '{}', which the file lacks; its [[hull.region]] "
-                             "are {}",
-                             host.name,
-                             region,
-                             regions.empty() ? "none" : fmt::format("{}", fmt::join(regions, ", ")));
+                return wrong(
+                    host.place,
+                    "'{}' computes region '{}', which the file lacks; its [[hull.region]] "
+                    "are {}",
+                    host.name,
+                    region,
+                    regions.empty() ? "none" : fmt::format("{}", fmt::join(regions, ", ")));
             const auto [former, is_new] = region_hosts.emplace(region, host.name);
             if (!is_new)
                 return wrong(host.place,

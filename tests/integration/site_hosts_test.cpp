@@ -95,11 +95,29 @@ name = "hull"
 model = true
 )";
 
+// The person stands in both regions.
+constexpr const char* kRegions = R"(
+[[hull.region]]
+name = "front"
+bounds = { min = [-2.0, -2.0, -0.1], max = [2.0, 0.0, 2.5] }
+[[hull.region]]
+name = "back"
+bounds = { min = [-2.0, 0.0, -0.1], max = [2.0, 2.0, 2.5] }
+cameras = ["cam0", "cam1", "cam2", "cam3", "cam4", "cam5", "cam6"]
+)";
+
+constexpr const char* kHelper = R"(
+[[host]]
+name = "help"
+regions = ["front"]
+)";
+
 // What a site published of each instant of the recording: all that came is the same each round.
 struct Published {
     std::map<std::int64_t, std::set<std::vector<std::uint8_t>>> meshes;
     std::map<std::pair<std::int64_t, std::uint32_t>, std::set<std::vector<std::uint8_t>>> textures;
-    std::size_t num_complete = 0;  // meshes of all cameras whose textures all came
+    std::size_t num_complete = 0;       // meshes of all cameras whose textures all came
+    std::size_t num_of_two_meshes = 0;  // part of num_complete
     std::size_t num_textures = 0;
 };
 
@@ -115,6 +133,9 @@ protected:
         write_recording(folder_ / "recording");
         std::ofstream(folder_ / "one.toml") << site_file(folder_ / "recording");
         std::ofstream(folder_ / "hall.toml") << site_file(folder_ / "recording") << kHosts;
+        const std::string regions = site_file(folder_ / "recording") + kRegions;
+        std::ofstream(folder_ / "one_with_regions.toml") << regions;
+        std::ofstream(folder_ / "hall_with_regions.toml") << regions << kHosts << kHelper;
     }
     static void TearDownTestSuite() { fs::remove_all(folder_); }
     void TearDown() override {
@@ -126,8 +147,8 @@ protected:
     }
 
     std::vector<std::string> command_of(const std::string& host) const {
-        const std::string program = host == "hull" || host == "one" ? "site_node" : "camera_node";
-        const std::string file = host == "one" ? "one.toml" : "hall.toml";
+        const std::string program = host == "left" || host == "right" ? "camera_node" : "site_node";
+        const std::string file = (host == "one" ? "one" : "hall") + regions_ + ".toml";
         std::vector<std::string> command{
             std::string(ATRIUM_BIN_DIR) + "/" + program, "--config", (folder_ / file).string()};
         if (host != "one") command.insert(command.end(), {"--host", host});
@@ -188,6 +209,7 @@ protected:
                     EXPECT_EQ(instant_at(key.capture_time), instant_at(mesh.capture_time));
                 }
                 ++published.num_complete;
+                if (mesh.mesh_sizes.size() == 2) ++published.num_of_two_meshes;
                 published.meshes[instant_at(mesh.capture_time)].insert(mesh.draco);
                 return true;
             });
@@ -196,6 +218,7 @@ protected:
     }
 
     static inline fs::path folder_;
+    std::string regions_;  // of the names of the site's files
     std::map<std::string, std::unique_ptr<HostedProcess>> programs_;
 };
 
@@ -220,6 +243,69 @@ TEST_F(SiteHosts, MeshesAndTexturesAreBitForBitThoseOfOneProcess) {
         different.insert(meshes.begin(), meshes.end());
     }
     EXPECT_EQ(different.size(), static_cast<std::size_t>(kNumInstants));
+}
+
+// A site with two regions, of which a host without cameras computes one.
+class SiteWithRegions : public SiteHosts {
+protected:
+    SiteWithRegions() { regions_ = "_with_regions"; }
+    void start_all_with_regions() {
+        start("help");
+        start_all();
+        ASSERT_TRUE(hull_says("host_in_use host=help regions=1", 0)) << hull().output();
+    }
+};
+
+TEST_F(SiteWithRegions, MeshesAreBitForBitThoseOfOneProcess) {
+    start_all_with_regions();
+    const Published of_hosts = listen(3 * kNumInstants);
+    for (const std::string host : {"left", "right", "help", "hull"}) {
+        programs_[host]->signal(SIGTERM);
+        ASSERT_EQ(programs_[host]->wait(kPatience), 0) << programs_[host]->output();
+        programs_.erase(host);
+    }
+    start("one");
+    const Published of_one = listen(3 * kNumInstants);
+    ASSERT_EQ(of_one.meshes.size(), static_cast<std::size_t>(kNumInstants));
+    EXPECT_TRUE(of_hosts.meshes == of_one.meshes) << "some meshes differ";
+    EXPECT_TRUE(of_hosts.textures == of_one.textures) << "some textures differ";
+    EXPECT_EQ(of_one.num_of_two_meshes, of_one.num_complete);
+    EXPECT_EQ(of_hosts.num_of_two_meshes, of_hosts.num_complete);
+}
+
+TEST_F(SiteWithRegions, KilledHostOfARegionIsNamedAndComesBack) {
+    start_all_with_regions();
+    std::size_t from = now_in_log();
+    programs_["help"]->signal(SIGKILL);
+    EXPECT_EQ(programs_["help"]->wait(kPatience), 128 + SIGKILL);
+    EXPECT_TRUE(hull_says("host_left_out host=help regions=1", from));
+    EXPECT_TRUE(hull_says("metaframe lacks regions", from));
+    // the other region is published meanwhile
+    const Published without = listen(kNumInstants);
+    EXPECT_GE(without.num_complete, static_cast<std::size_t>(kNumInstants));
+    EXPECT_EQ(without.num_of_two_meshes, 0u);
+    from = now_in_log();
+    start("help");
+    EXPECT_TRUE(hull_says("host_in_use host=help", from));
+    listen(1);  // it may be of before
+    EXPECT_GT(listen(kNumInstants).num_of_two_meshes, 0u);
+}
+
+TEST_F(SiteWithRegions, HostOfARegionThatStandsStillIsNamedAndComesBack) {
+    start_all_with_regions();
+    std::size_t from = now_in_log();
+    programs_["help"]->signal(SIGSTOP);
+    EXPECT_TRUE(hull_says("host_left_out host=help", from));
+    from = now_in_log();
+    programs_["help"]->signal(SIGCONT);
+    EXPECT_TRUE(hull_says("host_in_use host=help", from));
+}
+
+TEST_F(SiteWithRegions, SecondProgramOfAHostIsRefused) {
+    start_all_with_regions();
+    auto second = value(HostedProcess::start(command_of("help")));
+    EXPECT_EQ(second->wait(kPatience), 2) << second->output();
+    EXPECT_THAT(second->output(), HasSubstr("region node 'hall.help'"));
 }
 
 TEST_F(SiteHosts, KilledHostIsNamedAndComesBack) {

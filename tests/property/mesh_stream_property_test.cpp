@@ -122,8 +122,8 @@ TEST_F(MeshStream, EqualsDracosForShuffledClosedMeshes) {
                                    static_cast<std::uint32_t>(test::between(random, 3, 30)));
         for (int more = round % 5; more > 0; --more) {
             const Eigen::Vector3d centre = test::random_in_cube(random, 2.0);
-            test::append(mesh, test::make_octahedron(centre, test::between(random, 1e-5, 0.3)));
-            if (more % 2 == 0) test::append(mesh, test::make_torus(5, 4));
+            geometry::append(mesh, test::make_octahedron(centre, test::between(random, 1e-5, 0.3)));
+            if (more % 2 == 0) geometry::append(mesh, test::make_torus(5, 4));
         }
         for (auto& vertex : mesh.vertices)
             vertex += test::random_in_cube(random, 0.02 * (round % 3));
@@ -248,12 +248,12 @@ TEST_F(MeshStream, IsWrittenByDracoUnlessTheMeshIsAClosed2Manifold) {
     meshes["a vertex of no triangle"] = good;
     meshes["a vertex of no triangle"].vertices.emplace_back(3.0, 0.0, 0.0);
     meshes["two bodies on one vertex"] = good;
-    test::append(meshes["two bodies on one vertex"], good);
+    geometry::append(meshes["two bodies on one vertex"], good);
     for (auto& triangle : meshes["two bodies on one vertex"].triangles)
         std::replace(triangle.begin(), triangle.end(), 48U, 7U);
     meshes["two triangles back to back"] = good;
     const auto base = static_cast<std::uint32_t>(good.vertices.size());
-    test::append(meshes["two triangles back to back"], {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}});
+    geometry::append(meshes["two triangles back to back"], {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}});
     meshes["two triangles back to back"].triangles.push_back({base, base + 1, base + 2});
     meshes["two triangles back to back"].triangles.push_back({base, base + 2, base + 1});
     for (const auto& [what, mesh] : meshes) {
@@ -285,7 +285,7 @@ TEST_F(MeshStream, IsReadLikeDracoIfDamaged) {
     add(test::make_torus(12, 6), {14, 7});
     add(make_knot(3, random), {11, 5});
     TriangleMesh two = test::make_sphere(1, 1.0);
-    test::append(two, test::make_torus(6, 5));
+    geometry::append(two, test::make_torus(6, 5));
     add(two, {11, 7});
     int num_read = 0;
     for (int round = 0; round < 20'000; ++round) {
@@ -317,7 +317,7 @@ TEST_F(MeshStream, EqualsDracosForTriangleSoups) {
                                           static_cast<std::uint32_t>(random() % num_vertices)});
         } else {
             mesh = test::make_octahedron({0, 0, 0}, 1.0);
-            test::append(mesh, test::make_torus(4, 3));
+            geometry::append(mesh, test::make_torus(4, 3));
             for (int damage = test::between(random, 0, 2); damage > 0; --damage)
                 mesh.triangles[random() % mesh.triangles.size()][random() % 3] =
                     static_cast<std::uint32_t>(random() % mesh.vertices.size());

@@ -29,10 +29,8 @@ struct Options {
 // deploy/costs.toml: beside the programs' folder, or installed.
 fs::path default_costs() {
     const fs::path folder = app::program_folder();
-    for (const fs::path& candidate :
-         {folder / ".." / "deploy" / "costs.toml",
-          folder / ".." / ".." / "deploy" / "costs.toml",
-          folder / ".." / ".." / ".." / "share" / "atrium" / "costs.toml"}) {
+    for (const fs::path& candidate : {folder / ".." / "deploy" / "costs.toml",
+                                      folder / ".." / ".." / "deploy" / "costs.toml"}) {
         std::error_code failure;
         if (fs::exists(candidate, failure)) return candidate.lexically_normal();
     }
@@ -60,6 +58,15 @@ Expected<SitePlan> make(const Options& options) {
     input.rate_hz = options.rate_hz > 0.0 ? options.rate_hz : rig->rate_hz;
     input.rig = std::move(*rig);
     input.hosts = config.hosts;
+    for (const site_node::RegionOptions& region : config.pipeline.hull.regions) {
+        plan::PlanRegion planned{region.name, region.cameras, ""};
+        if (planned.cameras.empty()) {
+            for (const auto& camera : input.rig.cameras) planned.cameras.push_back(camera.name);
+        }
+        if (const auto* host = hosts::host_of_region(input.hosts, region.name))
+            planned.host = host->name;
+        input.regions.push_back(std::move(planned));
+    }
     input.num_threads = num_threads;
     input.num_viewers = options.num_viewers;
     input.are_live = config.capture.source == "cameras";

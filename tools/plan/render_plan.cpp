@@ -43,6 +43,11 @@ std::string plan_text(const SitePlan& plan, const std::optional<SimulationResult
                         host.speed == 1.0 ? "" : fmt::format(", {:.2f} times as fast", host.speed));
         for (const std::string& program : host.programs) text += "  runs     " + program + "\n";
         text += "  cameras  " + cameras_text(host) + "\n";
+        if (plan.input.regions.size() > 1 && !host.regions.empty())
+            text += fmt::format("  hulls    {} region{}: {}\n",
+                                host.regions.size(),
+                                host.regions.size() == 1 ? "" : "s",
+                                fmt::join(host.regions, " "));
         text += fmt::format("  work     {:.0f} % of its cores; ms per metaframe: {}\n",
                             100.0 * host.load,
                             stages_text(host));
@@ -93,6 +98,7 @@ std::string plan_json(const SitePlan& plan, const std::optional<SimulationResult
                                 {"speed", host.speed},
                                 {"model", host.is_model},
                                 {"cameras", host.cameras},
+                                {"regions", host.regions},
                                 {"programs", host.programs},
                                 {"stages", stages},
                                 {"load", host.load},

@@ -39,6 +39,7 @@ public:
         if (options.shared_cores > 0) cores_.emplace_back().num_free = options.shared_cores;
         newest_.resize(num_cameras_, -1);
         num_running_.resize(plan.hosts.size(), 0);
+        num_parts_.resize(plan.hosts.size(), 0);
     }
 
     SimulationResult run() {
@@ -155,39 +156,57 @@ private:
         if (!is_model_busy_) begin_model();
     }
 
-    // The hull: a serial part, then one task per thread; then the mesh.
+    // The hulls of all hosts that compute some; then the mesh is there.
     void begin_model() {
         if (next_ < 0) return;
         const std::int64_t instant = std::exchange(next_, -1);
         is_model_busy_ = true;
-        const int threads = threads_of(model_);
-        const double hull_ms = varied(work_ms(model_, "hull"));
+        // the model part takes the meshes of others when its own work is done
+        num_hulls_ = 1 + std::ranges::count_if(plan_.hosts, [](const HostPlan& host) {
+                         return !host.is_model && !host.regions.empty();
+                     });
+        for (std::size_t h = 0; h < plan_.hosts.size(); ++h) {
+            if (h == model_)
+                begin_hull(h, instant);
+            else if (!plan_.hosts[h].regions.empty())
+                at(now_ms_ + plan_.order_ms, [this, h, instant] { begin_hull(h, instant); });
+        }
+    }
+    // A serial part, then one task per thread; then the mesh.
+    void begin_hull(std::size_t host, std::int64_t instant) {
+        const int threads = threads_of(host);
+        const double hull_ms = varied(work_ms(host, "hull"));
         const double serial = std::clamp(2.0 / plan_.input.costs.hull_two_threads - 1.0, 0.0, 1.0);
-        add({model_,
+        add({host,
              instant,
              serial * hull_ms,
-             [this, instant, threads, hull_ms, serial] {
-                 num_parts_ = threads;
+             [this, host, instant, threads, hull_ms, serial] {
+                 num_parts_[host] = threads;
                  for (int i = 0; i < threads; ++i)
-                     add({model_,
+                     add({host,
                           instant,
                           (1.0 - serial) * hull_ms / threads,
-                          [this, instant] { end_part(instant); },
+                          [this, host, instant] { end_part(host, instant); },
                           {}});
              },
              {}});
     }
-    void end_part(std::int64_t instant) {
-        if (--num_parts_ > 0) return;
-        add({model_,
+    void end_part(std::size_t host, std::int64_t instant) {
+        if (--num_parts_[host] > 0) return;
+        add({host,
              instant,
-             varied(work_ms(model_, "mesh")),
-             [this, instant] {
-                 latencies_ms_.push_back(now_ms_ - static_cast<double>(instant) * period_ms_);
-                 is_model_busy_ = false;
-                 begin_model();
+             varied(work_ms(host, "mesh")),
+             [this, host, instant] {
+                 at(now_ms_ + (host == model_ ? 0.0 : kWay_ms),
+                    [this, instant] { end_hull(instant); });
              },
              {}});
+    }
+    void end_hull(std::int64_t instant) {
+        if (--num_hulls_ > 0) return;
+        latencies_ms_.push_back(now_ms_ - static_cast<double>(instant) * period_ms_);
+        is_model_busy_ = false;
+        begin_model();
     }
 
     const SitePlan& plan_;
@@ -205,7 +224,8 @@ private:
     std::map<std::int64_t, std::size_t> num_arrived_;
     std::int64_t next_ = -1;
     bool is_model_busy_ = false;
-    int num_parts_ = 0;
+    std::vector<int> num_parts_;    // of the hulls of each host
+    std::ptrdiff_t num_hulls_ = 0;  // hosts that have not finished theirs
     std::vector<double> latencies_ms_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -21,6 +22,13 @@ double megapixels(const geometry::CalibratedCamera& camera) {
 
 double mbit_per_s(double bytes, double rate_hz) { return 8e-6 * bytes * rate_hz; }
 
+// How many people a camera sees: one in each region that it watches.
+double people_of(const PlanInput& input, const std::string& camera) {
+    return static_cast<double>(std::ranges::count_if(input.regions, [&](const PlanRegion& region) {
+        return std::ranges::find(region.cameras, camera) != region.cameras.end();
+    }));
+}
+
 // Sums over some cameras.
 struct Sums {
     double silhouette_ms = 0.0;
@@ -35,18 +43,52 @@ struct Sums {
     }
 };
 
-Sums sums_of(const PlanInput& input, const std::vector<std::string>& names) {
+// `num_people` of each camera; empty: one in each region that it watches.
+Sums sums_of(const PlanInput& input,
+             const std::vector<std::string>& names,
+             std::optional<double> num_people = {}) {
     Sums sums;
     for (const geometry::CalibratedCamera& camera : input.rig.cameras) {
         if (std::ranges::find(names, camera.name) == names.end()) continue;
         const double mp = megapixels(camera);
+        const double people = num_people.value_or(people_of(input, camera.name));
         sums.silhouette_ms += input.costs.silhouette_ms.of(mp);
-        sums.texture_ms += input.costs.texture_ms.of(mp);
-        sums.texture_bytes += input.costs.texture_bytes.of(mp);
-        sums.segments += input.costs.segments.of(std::sqrt(mp));
+        sums.texture_ms += people * input.costs.texture_ms.of(mp);
+        sums.texture_bytes += people * input.costs.texture_bytes.of(mp);
+        sums.segments += people * input.costs.segments.of(std::sqrt(mp));
         sums.camera_bytes += kBytesPerPixelOfCamera * 1e6 * mp;
         ++sums.num;
     }
+    return sums;
+}
+
+// The hulls and meshes of some regions.
+struct HullSums {
+    double hull_ms = 0.0;        // on one core
+    double hull_lasts_ms = 0.0;  // with the threads of the host
+    double mesh_ms = 0.0;
+    double mesh_bytes = 0.0;
+    double order_bytes = 0.0;  // of their silhouettes
+    std::vector<std::string> names;
+};
+
+HullSums hulls_of(const PlanInput& input, const std::string& host, int num_threads) {
+    const Costs& costs = input.costs;
+    HullSums sums;
+    std::vector<std::string> cameras;
+    for (const PlanRegion& region : input.regions) {
+        if (region.host != host) continue;
+        const Sums seen = sums_of(input, region.cameras, 1.0);
+        const double triangles = costs.triangles_per_segment * seen.segments;
+        sums.hull_ms += costs.hull_ms(seen.num, seen.segments, 1);
+        sums.hull_lasts_ms += costs.hull_ms(seen.num, seen.segments, num_threads);
+        sums.mesh_ms += 1e-3 * costs.mesh_ms_per_ktriangle * triangles;
+        sums.mesh_bytes += costs.mesh_bytes_per_triangle * triangles;
+        sums.names.push_back(region.name);
+        cameras.insert(cameras.end(), region.cameras.begin(), region.cameras.end());
+    }
+    // each silhouette once, however many regions of the host need it
+    sums.order_bytes = sums_of(input, cameras).silhouette_bytes();
     return sums;
 }
 
@@ -121,13 +163,20 @@ SitePlan make_plan(PlanInput input) {
         entries.push_back(one);
     }
     const Costs& costs = input.costs;
+    if (input.regions.empty()) input.regions.push_back({"", all_names(input.rig), ""});
     const Sums all = sums_of(input, all_names(input.rig));
-    plan.segments = all.segments;
-    const double triangles = costs.triangles_per_segment * all.segments;
-    plan.mesh_bytes = costs.mesh_bytes_per_triangle * triangles;
+    const auto num_region_hosts = std::ranges::count_if(
+        entries, [&](const auto& entry) { return !hulls_of(input, entry.name, 1).names.empty(); });
+    double mesh_bytes = hulls_of(input, "", 1).mesh_bytes;
+    double order_bytes = 0.0;
+    for (const hosts::HostEntry& entry : entries) {
+        const HullSums elsewhere = hulls_of(input, entry.name, 1);
+        mesh_bytes += elsewhere.mesh_bytes;
+        order_bytes += elsewhere.order_bytes;
+    }
     const double viewers = input.num_viewers;
     double slowest_node_ms = 0.0;
-    double model_ms = 0.0;
+    double slowest_hull_ms = 0.0;
     for (const hosts::HostEntry& entry : entries) {
         HostPlan host;
         host.name = entry.name;
@@ -139,8 +188,10 @@ SitePlan make_plan(PlanInput input) {
         host.link_mbit_per_s = 1e3 * entry.link_gbit_per_s;
         const Sums own = sums_of(input, host.cameras);
         const auto on = [&](double work_ms) { return work_ms / host.speed; };
+        const auto on_link = [&](double bytes) { return 8e-3 * bytes / host.link_mbit_per_s; };
         // cameras after each other on each thread
         const auto rounds = std::ceil(static_cast<double>(own.num) / host.threads);
+        double num_messages = 0.0;  // written or taken
         if (own.num > 0) {
             const double silhouettes = on(own.silhouette_ms);
             const double lasts = rounds * silhouettes / static_cast<double>(own.num);
@@ -148,8 +199,7 @@ SitePlan make_plan(PlanInput input) {
             const double textures = on(own.texture_ms);
             host.stages.push_back({"textures", textures, textures / host.threads});
             if (!is_one_process) {
-                const double messages = on(costs.message_ms * static_cast<double>(own.num) / 2.0);
-                host.stages.push_back({"messages", messages, messages / host.cores});
+                num_messages += static_cast<double>(own.num);
                 host.programs.push_back("camera_node --config FILE --host " + host.name);
             }
             slowest_node_ms = std::max(slowest_node_ms, lasts + (is_one_process ? 0.0 : kWay_ms));
@@ -159,34 +209,57 @@ SitePlan make_plan(PlanInput input) {
             if (!host.is_model)
                 host.out_mbit_per_s += mbit_per_s(own.silhouette_bytes(), input.rate_hz);
         }
-        if (host.is_model) {
-            const double hull = on(costs.hull_ms(all.num, all.segments, 1));
-            const double lasts = on(costs.hull_ms(all.num, all.segments, host.threads));
-            host.stages.push_back({"hull", hull, lasts});
-            const double mesh = on(1e-3 * costs.mesh_ms_per_ktriangle * triangles);
+        const HullSums hulls = hulls_of(input, host.is_model ? "" : host.name, host.threads);
+        host.regions = hulls.names;
+        double hull_lasts_ms = 0.0;
+        if (!hulls.names.empty()) {
+            const double mesh = on(hulls.mesh_ms);
+            host.stages.push_back({"hull", on(hulls.hull_ms), on(hulls.hull_lasts_ms)});
             host.stages.push_back({"mesh", mesh, mesh});
+            hull_lasts_ms = on(hulls.hull_lasts_ms) + mesh;
+        }
+        if (host.is_model) {
             if (!is_one_process) {
-                const double messages = on(costs.message_ms * static_cast<double>(all.num) / 2.0);
-                host.stages.push_back({"messages", messages, messages / host.cores});
-                host.in_mbit_per_s =
-                    mbit_per_s(all.silhouette_bytes() - own.silhouette_bytes(), input.rate_hz);
+                num_messages +=
+                    static_cast<double>(all.num) + 2.0 * static_cast<double>(num_region_hosts);
+                host.in_mbit_per_s +=
+                    mbit_per_s(all.silhouette_bytes() - own.silhouette_bytes(), input.rate_hz) +
+                    mbit_per_s(mesh_bytes - hulls.mesh_bytes, input.rate_hz);
+                host.out_mbit_per_s += mbit_per_s(order_bytes, input.rate_hz);
                 host.programs.push_back("site_node --config FILE --host " + host.name);
+                // the orders leave one after another
+                if (num_region_hosts > 0) plan.order_ms = kWay_ms + on_link(order_bytes);
             } else {
                 host.programs.push_back("site_node --config FILE");
             }
             // the world server takes the mesh, too
-            host.out_mbit_per_s += mbit_per_s(plan.mesh_bytes, input.rate_hz) * (viewers + 1.0);
-            model_ms = lasts + mesh;
+            host.out_mbit_per_s += mbit_per_s(mesh_bytes, input.rate_hz) * (viewers + 1.0);
+        } else if (!hulls.names.empty()) {
+            num_messages += 2.0;
+            host.in_mbit_per_s += mbit_per_s(hulls.order_bytes, input.rate_hz);
+            host.out_mbit_per_s += mbit_per_s(hulls.mesh_bytes, input.rate_hz);
+            host.programs.push_back("site_node --config FILE --host " + host.name);
         }
+        if (num_messages > 0.0) {
+            const double messages = on(costs.message_ms * num_messages / 2.0);
+            host.stages.push_back({"messages", messages, messages / host.cores});
+        }
+        slowest_hull_ms = std::max(
+            slowest_hull_ms,
+            hull_lasts_ms +
+                (host.is_model || hulls.names.empty() ? 0.0 : kWay_ms + on_link(hulls.mesh_bytes)));
         double work_ms = 0.0;
         for (const Stage& stage : host.stages) work_ms += stage.work_ms;
         host.load = 1e-3 * work_ms * input.rate_hz / host.cores;
         find_problems(host, input.rate_hz, plan.problems);
         plan.hosts.push_back(std::move(host));
     }
-    plan.latency_ms = slowest_node_ms + model_ms;
+    plan.latency_ms = slowest_node_ms + plan.order_ms + slowest_hull_ms;
     plan.assumptions = {
-        fmt::format("one person whom all cameras see whole; costs of {} (score {:.0f}), {}",
+        fmt::format("one person {}; costs of {} (score {:.0f}), {}",
+                    input.regions.size() > 1
+                        ? "in each region, whom its cameras see whole, and no others"
+                        : "whom all cameras see whole",
                     costs.machine,
                     costs.score,
                     costs.measured),

@@ -11,12 +11,20 @@
 
 namespace atrium::plan {
 
+/// A part of the site with a hull of its own.
+struct PlanRegion {
+    std::string name;                  // empty: the whole site
+    std::vector<std::string> cameras;  // that watch it
+    std::string host;                  // that computes its hull; empty: the model part
+};
+
 /// What a plan is made from.
 struct PlanInput {
     std::string site;
     config::Rig rig;
     double rate_hz = 30.0;
     std::vector<hosts::HostEntry> hosts;  // checked; empty: one process does all
+    std::vector<PlanRegion> regions;      // empty: one hull of all cameras
     int num_threads = 0;                  // site.threads; 0: all cores of a host but one
     int num_viewers = 1;
     bool are_live = false;  // cameras on a network, whose pictures a link carries
@@ -37,6 +45,7 @@ struct HostPlan {
     double speed = 1.0;  // of one core, relative to the machine of the costs
     std::vector<std::string> cameras;
     bool is_model = false;
+    std::vector<std::string> regions;   // whose hulls it computes, by name
     std::vector<std::string> programs;  // the command lines
     std::vector<Stage> stages;
     double load = 0.0;                // share of its cores
@@ -50,8 +59,7 @@ struct HostPlan {
 struct SitePlan {
     PlanInput input;
     std::vector<HostPlan> hosts;
-    double segments = 0.0;  // of all silhouettes
-    double mesh_bytes = 0.0;
+    double order_ms = 0.0;                 // until the last region's host has its silhouettes
     double latency_ms = 0.0;               // from capture to the written mesh, without waits
     std::vector<std::string> problems;     // what does not fit, with a cure
     std::vector<std::string> assumptions;  // by which it is computed

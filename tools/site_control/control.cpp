@@ -69,7 +69,8 @@ std::vector<Program> programs_of(const hosts::HostEntry& host, const std::string
     std::vector<Program> programs;
     if (host.takes_any || !host.cameras.empty())
         programs.push_back({"camera_node", "atrium-camera", arguments});
-    if (host.is_model) programs.push_back({"site_node", "atrium-site", arguments});
+    if (host.is_model || !host.regions.empty())
+        programs.push_back({"site_node", "atrium-site", arguments});
     return programs;
 }
 

@@ -23,7 +23,7 @@ geometry::TriangleMesh hand_and_arm(const Vector3d& half_size_of_hand) {
         const double radius = 0.05 - 0.02 * v.z();
         v = {radius * v.x(), radius * v.y(), 0.28 * v.z() - 0.33};
     }
-    physics_test::append(hand, arm);
+    geometry::append(hand, arm);
     return hand;
 }
 

@@ -231,6 +231,28 @@ TEST(Bus, WorldsAreIsolated) {
     EXPECT_EQ(other_world.reader.num_writers(), 0);
 }
 
+TEST(Bus, PartsOfAWorldAreIsolated) {
+    const auto world = value(Participant::create(own_world("parts")));
+    auto writer = value(Writer<SiteMesh>::create(world, "hall/north"));
+    auto same = value(Reader<SiteMesh>::create(world, "hall/north"));
+    auto waiter = value(Waiter::create(world));
+    waiter.add(same);
+    std::vector<Reader<SiteMesh>> others;
+    for (const std::string part : {"", "hall", "hall/south"})
+        others.push_back(value(Reader<SiteMesh>::create(world, part)));
+    ASSERT_TRUE(writer.write(mesh_of("a", 1)).has_value());
+    std::size_t num_taken = 0;
+    while (num_taken == 0) {
+        ASSERT_TRUE(waiter.wait(60s));
+        num_taken += same.take([](SiteMesh&&) {}).num_taken;
+    }
+    EXPECT_EQ(writer.num_readers(), 1);
+    for (auto& other : others) {
+        EXPECT_EQ(other.take([](SiteMesh&&) {}).num_taken, 0u);
+        EXPECT_EQ(other.num_writers(), 0);
+    }
+}
+
 TEST(Bus, CommandsArriveInOrderAndAFullReaderIsReported) {
     const auto participant = value(Participant::create(own_world("commands")));
     auto writer = value(Writer<SceneCommand>::create(participant));

@@ -67,8 +67,8 @@ TEST(ClosedMesh, AcceptsOnlyClosed2Manifolds) {
     constexpr int kRounds = 3000;
     for (int round = 0; round < kRounds; ++round) {
         TriangleMesh mesh = test::make_octahedron({0, 0, 0}, 1.0);
-        if (round % 2 == 0) test::append(mesh, test::make_torus(4, 3));
-        if (round % 3 == 0) test::append(mesh, test::make_octahedron({1, 0, 0}, 1.0));
+        if (round % 2 == 0) geometry::append(mesh, test::make_torus(4, 3));
+        if (round % 3 == 0) geometry::append(mesh, test::make_octahedron({1, 0, 0}, 1.0));
         for (int damage = test::between(random, 0, 2); damage > 0; --damage)
             mesh.triangles[random() % mesh.triangles.size()][random() % 3] =
                 static_cast<std::uint32_t>(random() % mesh.vertices.size());
@@ -107,7 +107,7 @@ TEST(ClosedMesh, NamesTheDefectAndItsPlace) {
     bad.vertices.emplace_back(0, 0, 0);
     EXPECT_THAT(surface.assign(bad).error().message, HasSubstr("vertex 20 "));
     bad = good;
-    test::append(bad, good);
+    geometry::append(bad, good);
     bad.vertices.pop_back();
     for (auto& triangle : bad.triangles) std::replace(triangle.begin(), triangle.end(), 39U, 6U);
     EXPECT_THAT(surface.assign(bad).error().message, HasSubstr("vertex 6 "));

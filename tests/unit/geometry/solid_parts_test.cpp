@@ -21,7 +21,7 @@ TriangleMesh inwards(TriangleMesh mesh) {
 }
 
 TriangleMesh both(TriangleMesh mesh, const TriangleMesh& more) {
-    test::append(mesh, more);
+    geometry::append(mesh, more);
     return mesh;
 }
 

@@ -87,8 +87,8 @@ TEST(SurfaceTree, AddsUpNestedAndSeparateParts) {
     for (auto& triangle : hollow.triangles) std::swap(triangle[0], triangle[1]);
     EXPECT_NEAR(SurfaceTree(hollow).winding_number({0, 0, 0}), -1.0, 1e-9);
     EXPECT_EQ(SurfaceTree(hollow).depth_m({0, 0, 0}), 0.0);
-    test::append(shell, hollow);
-    test::append(shell, cube({3, 0, 0}, 1.0));
+    geometry::append(shell, hollow);
+    geometry::append(shell, cube({3, 0, 0}, 1.0));
     const SurfaceTree tree(shell);
     EXPECT_EQ(tree.depth_m({0, 0, 0}), 0.0) << "in the hollow";
     EXPECT_NEAR(tree.depth_m({0.4, 0, 0}), 0.1, 1e-12) << "in its wall";

@@ -94,6 +94,31 @@ TEST(SiteHosts, NamesWhatIsWrongAndWhere) {
     EXPECT_THAT(problem(left + "\"auto\"" + model, std::string(60, 's')),
                 HasSubstr("must have at most 62 characters"));
     EXPECT_THAT(problem(left + "\"auto\"\nmodle = true"), HasSubstr("model"));
+    const std::string helper = "\n[[host]]\nname = \"help\"\nregions = ";
+    EXPECT_EQ(problem(left + "\"auto\"" + helper + "[\"door\"]" + model), "");
+    EXPECT_THAT(problem(left + "\"auto\"" + helper + "[\"attic\"]" + model),
+                HasSubstr("'help' computes region 'attic', which the file lacks; its "
+                          "[[hull.region]] are door, window"));
+    EXPECT_THAT(problem(left + "\"auto\"" + helper + "[\"door\", \"door\"]" + model),
+                HasSubstr("region 'door' is on 'help' and on 'help'"));
+}
+
+TEST(SiteHosts, RegionsOfTheModelPartAreOnNoOtherHost) {
+    const auto hosts = read(R"(
+[[host]]
+name = "help"
+regions = ["door"]
+[[host]]
+name = "hull"
+model = true
+cameras = "auto"
+regions = ["window"]
+)");
+    ASSERT_TRUE(hosts) << hosts.error().message;
+    ASSERT_NE(host_of_region(*hosts, "door"), nullptr);
+    EXPECT_EQ(host_of_region(*hosts, "door")->name, "help");
+    EXPECT_EQ(host_of_region(*hosts, "window"), nullptr);
+    EXPECT_EQ(host_of_region(*hosts, "desk"), nullptr);
 }
 
 }  // namespace

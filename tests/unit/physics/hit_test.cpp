@@ -14,7 +14,6 @@
 namespace atrium::physics {
 namespace {
 
-using physics_test::append;
 using physics_test::make_box_mesh;
 
 constexpr double kBallRadiusM = 0.025;

@@ -19,7 +19,6 @@ namespace atrium::physics {
 namespace {
 
 using geometry::RigidTransform;
-using physics_test::append;
 using physics_test::make_box_mesh;
 
 constexpr double kNoiseM = 0.003;

@@ -18,7 +18,6 @@ namespace atrium::physics {
 namespace {
 
 using geometry::RigidTransform;
-using physics_test::append;
 using physics_test::make_box_mesh;
 
 constexpr std::uint32_t kThing = 2;

@@ -19,7 +19,7 @@ geometry::TriangleMesh hand_at(double tip_x) {
         return geometry::RigidTransform{Eigen::Quaterniond::Identity(), {x, 0.0, z}};
     };
     geometry::TriangleMesh mesh = make_box_mesh({0.5, 0.08, 0.03}, at(tip_x - 0.25, 0.06), 10);
-    physics_test::append(mesh, make_box_mesh({0.3, 0.4, 1.7}, at(-1.5, 0.85), 10));
+    geometry::append(mesh, make_box_mesh({0.3, 0.4, 1.7}, at(-1.5, 0.85), 10));
     return mesh;
 }
 

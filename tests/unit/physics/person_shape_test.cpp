@@ -25,7 +25,7 @@ geometry::TriangleMesh slab_at(const Eigen::Vector3d& position, int num_cuts) {
 
 TEST(SurfaceIndex, FindsTheNearestWithEqualFacingWithAndWithoutAvx2) {
     geometry::TriangleMesh mesh = slab_at({0.0, 0.0, 1.0}, 3);
-    physics_test::append(mesh, slab_at({0.06, 0.3, 1.1}, 4));
+    geometry::append(mesh, slab_at({0.06, 0.3, 1.1}, 4));
     const SurfaceIndex index(mesh, {});
     SurfaceIndex plain;
     plain.forbid_avx2();
@@ -107,7 +107,7 @@ TEST(PersonShaper, MeasuresTheVelocityOfASlabAlongItsNormal) {
 TEST(PersonShaper, GivesEachPartItsOwnVelocity) {
     const auto figure = [](double offset) {
         geometry::TriangleMesh mesh = slab_at({0.0, 0.0, 1.0}, 3);
-        physics_test::append(mesh, slab_at({offset, 1.0, 1.0}, 3));
+        geometry::append(mesh, slab_at({offset, 1.0, 1.0}, 3));
         return mesh;
     };
     PersonShaper shaper({});
@@ -161,7 +161,7 @@ TEST(PersonShaper, DoesNotMistakeANewSpeckForAMovedOne) {
         const Eigen::Vector3d now = before + triple(way_m);
         const auto figure = [&](const Eigen::Vector3d& speck, int num_cuts) {
             geometry::TriangleMesh mesh = physics_test::make_person_mesh({0, 0, 0}, 0.5, num_cuts);
-            physics_test::append(
+            geometry::append(
                 mesh, make_box_mesh(triple(extent_m), {Eigen::Quaterniond::Identity(), speck}, 3));
             return mesh;
         };

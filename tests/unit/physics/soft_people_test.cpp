@@ -90,7 +90,7 @@ TEST(SoftBall, IsLiftedByTwoArmsFromBelow) {
         const double z = 0.66 + 0.3 * std::clamp(t - 1.0, 0.0, 1.0);
         geometry::TriangleMesh mesh =
             make_box_mesh({0.5, 0.08, 0.08}, {Eigen::Quaterniond::Identity(), {0, -0.09, z}}, 8);
-        physics_test::append(
+        geometry::append(
             mesh,
             make_box_mesh({0.5, 0.08, 0.08}, {Eigen::Quaterniond::Identity(), {0, 0.09, z}}, 8));
         return mesh;

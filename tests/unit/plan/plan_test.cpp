@@ -38,6 +38,54 @@ TEST(Plan, AddsUpTheWorkOfEachHost) {
     EXPECT_THAT(plan.problems, IsEmpty());
 }
 
+// Sixteen cameras; two regions of eight cameras each, one of them on a host of its own.
+PlanInput input_with_regions(double rate_hz) {
+    PlanInput input = an_input(16, 4, rate_hz);
+    hosts::HostEntry help;
+    help.name = "help";
+    help.regions = {"south"};
+    input.hosts.push_back(help);
+    input.regions = {{"north", {}, ""}, {"south", {}, "help"}};
+    for (std::size_t i = 0; i < 16; ++i)
+        input.regions[i / 8].cameras.push_back("cam" + std::to_string(i));
+    return input;
+}
+
+TEST(Plan, RegionsDivideTheWorkOfTheHull) {
+    const SitePlan plan = make_plan(input_with_regions(10.0));
+    ASSERT_EQ(plan.hosts.size(), 6u);
+    const HostPlan& model = plan.hosts[4];
+    const HostPlan& help = plan.hosts[5];
+    // half of the views and segments
+    EXPECT_NEAR(stage(model, "hull"), 8 * 0.5e-3 * 2400, 1e-9);
+    EXPECT_NEAR(stage(help, "hull"), 8 * 0.5e-3 * 2400, 1e-9);
+    EXPECT_THAT(model.regions, ::testing::ElementsAre("north"));
+    EXPECT_THAT(help.regions, ::testing::ElementsAre("south"));
+    EXPECT_THAT(help.programs, ::testing::ElementsAre("site_node --config FILE --host help"));
+    // the silhouettes of eight cameras there, the mesh back
+    const double order_bytes = 8 * (16 * 300 + 330);
+    const double mesh_bytes = 4 * 2400 * 1.5;
+    EXPECT_NEAR(help.in_mbit_per_s, 8e-6 * 10 * order_bytes, 1e-9);
+    EXPECT_NEAR(help.out_mbit_per_s, 8e-6 * 10 * mesh_bytes, 1e-9);
+    EXPECT_NEAR(model.out_mbit_per_s, 8e-6 * 10 * (order_bytes + 2 * 2 * mesh_bytes), 1e-9);
+    // the way there and back, at 1 Gbit/s
+    const double ways_ms = 2 * 0.3 + 8e-6 * (order_bytes + mesh_bytes);
+    EXPECT_NEAR(plan.latency_ms, 2 * 2.0 + 0.3 + ways_ms + 9.6 / 3 + 0.96, 1e-9);
+    EXPECT_THAT(plan_text(plan, {}), HasSubstr("hulls    1 region: south"));
+    EXPECT_THAT(plan_text(plan, {}), HasSubstr("one person in each region"));
+}
+
+// A camera that watches two regions sees the people of both.
+TEST(Plan, ACameraOfTwoRegionsHasTwiceTheTextures) {
+    PlanInput input = input_with_regions(10.0);
+    const SitePlan before = make_plan(input);
+    input.regions[0].cameras.push_back("cam8");  // on node0
+    const SitePlan after = make_plan(input);
+    EXPECT_NEAR(stage(after.hosts[0], "textures"), stage(before.hosts[0], "textures") + 1.0, 1e-9);
+    EXPECT_NEAR(stage(after.hosts[4], "hull"), 9 * 0.5e-3 * 2700, 1e-9);
+    EXPECT_NEAR(stage(after.hosts[5], "hull"), stage(before.hosts[5], "hull"), 1e-9);
+}
+
 TEST(Plan, OneProcessHasNoMessages) {
     const SitePlan plan = make_plan(an_input(8, 0, 10.0));
     ASSERT_EQ(plan.hosts.size(), 1u);

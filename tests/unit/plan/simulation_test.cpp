@@ -21,6 +21,23 @@ TEST(PlanSimulation, WithTimeToSpareNothingWaits) {
     EXPECT_NEAR(result.loads[0], plan.hosts[0].load, 0.01);
 }
 
+TEST(PlanSimulation, RegionsOnTwoHostsAreComputedAtTheSameTime) {
+    PlanInput input = an_input(16, 4, 10.0);
+    hosts::HostEntry& help = input.hosts.emplace_back();
+    help.name = "help";
+    help.regions = {"south"};
+    input.regions = {{"north", {}, ""}, {"south", {}, "help"}};
+    for (std::size_t i = 0; i < 16; ++i)
+        input.regions[i / 8].cameras.push_back("cam" + std::to_string(i));
+    const SitePlan plan = make_plan(input);
+    const SimulationResult result = simulate(plan, {.spread = 0.0});
+    EXPECT_NEAR(result.metaframes_per_s, 10.0, 0.1);
+    EXPECT_NEAR(result.median_ms, plan.latency_ms, 0.6);
+    // on one host they come after each other
+    input.regions[1].host.clear();
+    EXPECT_GT(simulate(make_plan(input), {.spread = 0.0}).median_ms, result.median_ms + 2.0);
+}
+
 TEST(PlanSimulation, TooMuchWorkDropsMetaframesAndKeepsTheAge) {
     // the hull takes 38.4 ms on one core
     PlanInput input = an_input(16, 4, 60.0);

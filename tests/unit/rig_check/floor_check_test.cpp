@@ -169,7 +169,7 @@ TEST(FindFooting, FindsTheLowestSectionOfHalfASole) {
     geometry::TriangleMesh spike = test::make_octahedron(Eigen::Vector3d::Zero(), 1.0);
     for (Eigen::Vector3d& p : spike.vertices)
         p = Eigen::Vector3d(0.5 + 0.03 * p.x(), -1.0 + 0.03 * p.y(), 0.5 * p.z() - 0.2);
-    test::append(mesh, spike);
+    geometry::append(mesh, spike);
     const auto same = find_footing(mesh);
     ASSERT_TRUE(same);
     EXPECT_NEAR(same->feet_site.z(), 0.075, 0.01);
@@ -187,7 +187,7 @@ TEST(FindFooting, FindsTheFeetAtAnyScale) {
                 p = scale * Eigen::Vector3d(radius_m * p.x(),
                                             radius_m * p.y(),
                                             middle_m + half_height_m * p.z());
-            test::append(mesh, part);
+            geometry::append(mesh, part);
         };
         add(0.05, 0.14, 0.05);
         add(0.5, 0.055, 0.5);

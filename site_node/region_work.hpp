@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace atrium::region_node {
+namespace atrium::site_node {
 
 /// Turns an order into the coded meshes of the regions of one host, with the hull stage and the
 /// mesh coding of the pipeline: the same bytes as in a site of one process. Uses no network.
@@ -18,7 +18,7 @@ class RegionWork {
 public:
     /// `hull` computes the regions of this host; all others are elsewhere.
     RegionWork(std::vector<geometry::CalibratedCamera> cameras,
-               site_node::HullStage hull,
+               HullStage hull,
                const codec::MeshCodecOptions& options);
 
     std::size_t num_regions() const { return regions_.size(); }
@@ -33,11 +33,11 @@ private:
     Expected<void> take(const bus::RegionOrder& order);
 
     std::vector<geometry::CalibratedCamera> cameras_;
-    site_node::HullStage hull_;
+    HullStage hull_;
     std::vector<std::uint32_t> regions_;  // of this host
-    site_node::MeshCoding meshes_;        // one of each region of the site
+    MeshCoding meshes_;        // one of each region of the site
     std::vector<std::uint8_t> delivered_;
     hull::VisualHull whole_;
 };
 
-}  // namespace atrium::region_node
+}  // namespace atrium::site_node

@@ -8,7 +8,7 @@
 #include "core/bus/bus.hpp"
 #include "core/presence/membership.hpp"
 #include "site_node/config.hpp"
-#include "site_node/region_node/region_work.hpp"
+#include "site_node/region_work.hpp"
 #include "site_node/run_control.hpp"
 
 #include <cstdint>
@@ -17,16 +17,16 @@
 #include <stop_token>
 #include <string>
 
-namespace atrium::region_node {
+namespace atrium::site_node {
 
 /// Whether this host computes regions for the model part on another host.
-bool is_region_host(const site_node::SiteNodeConfig& config);
+bool is_region_host(const SiteNodeConfig& config);
 
 /// The hulls of some regions of a site: gets silhouettes from the model part and answers with
 /// meshes. The newest order wins. `create` does everything that can fail; `run` owns the threads.
 class RegionNode {
 public:
-    static Expected<std::unique_ptr<RegionNode>> create(const site_node::SiteNodeConfig& config,
+    static Expected<std::unique_ptr<RegionNode>> create(const SiteNodeConfig& config,
                                                         std::stop_token stop);
 
     /// Runs until the stop or `site.seconds`. One caller at a time.
@@ -43,18 +43,18 @@ private:
         bus::Waiter waiter;
     };
 
-    RegionNode(site_node::SiteNodeConfig config,
+    RegionNode(SiteNodeConfig config,
                std::string host,
                RegionWork work,
                Bus bus,
-               std::shared_ptr<site_node::RunControl> run_control,
+               std::shared_ptr<RunControl> run_control,
                std::unique_ptr<presence::Membership> membership);
 
     void follow_orders(std::stop_token stop);
     void answer(const bus::RegionOrder& order);
     void report_status(std::stop_token stop);
 
-    site_node::SiteNodeConfig config_;
+    SiteNodeConfig config_;
     std::string host_;
     RegionWork work_;
     Bus bus_;
@@ -71,8 +71,8 @@ private:
     ProcessorMeter processor_meter_;  // of the reporting thread
     app::log::OncePerSecond complaints_;
 
-    std::shared_ptr<site_node::RunControl> run_control_;  // shared with the membership
+    std::shared_ptr<RunControl> run_control_;  // shared with the membership
     std::unique_ptr<presence::Membership> membership_;
 };
 
-}  // namespace atrium::region_node
+}  // namespace atrium::site_node

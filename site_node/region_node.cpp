@@ -1,4 +1,4 @@
-#include "site_node/region_node/region_node.hpp"
+#include "site_node/region_node.hpp"
 
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
@@ -18,15 +18,10 @@
 #include <thread>
 #include <utility>
 
-namespace atrium::region_node {
+namespace atrium::site_node {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using site_node::SiteNodeConfig;
-
-std::chrono::nanoseconds from_ms(double ms) {
-    return std::chrono::nanoseconds(static_cast<std::int64_t>(ms * 1e6));
-}
 
 bus::LatencySummary summary(const LatencyWindow& window) {
     const Quantiles q = window.quantiles();
@@ -37,14 +32,12 @@ bus::LatencySummary summary(const LatencyWindow& window) {
 Expected<RegionWork> own_work(const SiteNodeConfig& config, const hosts::HostEntry& own) {
     const auto rig = load_checked_rig(config);
     if (!rig) return tl::unexpected(rig.error());
-    if (auto fits = site_node::check_hosts(config, *rig); !fits)
-        return tl::unexpected(fits.error());
-    site_node::HullStageOptions options = config.pipeline.hull;
+    if (auto fits = check_hosts(config, *rig); !fits) return tl::unexpected(fits.error());
+    HullStageOptions options = config.pipeline.hull;
     take_bounds(*rig, options);
-    for (site_node::RegionOptions& region : options.regions)
+    for (RegionOptions& region : options.regions)
         region.is_elsewhere = std::ranges::find(own.regions, region.name) == own.regions.end();
-    auto hull = site_node::HullStage::create(
-        rig->cameras, options, config.pipeline.silhouette.tolerance_px);
+    auto hull = HullStage::create(rig->cameras, options, config.pipeline.silhouette.tolerance_px);
     if (!hull) return tl::unexpected(hull.error());
     return RegionWork(rig->cameras, std::move(*hull), config.pipeline.mesh);
 }
@@ -53,7 +46,7 @@ Expected<RegionWork> own_work(const SiteNodeConfig& config, const hosts::HostEnt
 
 bool is_region_host(const SiteNodeConfig& config) {
     if (config.hosts.empty()) return false;
-    const auto own = hosts::find_host(config.hosts, site_node::own_host(config));
+    const auto own = hosts::find_host(config.hosts, own_host(config));
     return own && !own->is_model && !own->regions.empty();
 }
 
@@ -61,8 +54,8 @@ Expected<std::unique_ptr<RegionNode>> RegionNode::create(const SiteNodeConfig& a
                                                          std::stop_token stop) {
     if (auto checked = check(asked); !checked) return tl::unexpected(checked.error());
     SiteNodeConfig config = asked;
-    if (config.threads == 0) config.threads = site_node::default_threads();
-    const auto own = hosts::find_host(config.hosts, site_node::own_host(config));
+    if (config.threads == 0) config.threads = default_threads();
+    const auto own = hosts::find_host(config.hosts, own_host(config));
     if (!own) return tl::unexpected(own.error());
     if (!config.preview.empty())
         return make_error(ErrorKind::kConfiguration,
@@ -72,7 +65,7 @@ Expected<std::unique_ptr<RegionNode>> RegionNode::create(const SiteNodeConfig& a
 
     auto participant = bus::Participant::create(config.bus);
     if (!participant) return tl::unexpected(participant.error());
-    const auto run_control = std::make_shared<site_node::RunControl>();
+    const auto run_control = std::make_shared<RunControl>();
     auto member = presence::join_world(
         *participant,
         bus::ProgramKind::kRegionNode,
@@ -80,8 +73,8 @@ Expected<std::unique_ptr<RegionNode>> RegionNode::create(const SiteNodeConfig& a
         [run_control](const Error& lost) { run_control->lose_name(lost); },
         stop);
     if (!member) return tl::unexpected(member.error());
-    auto orders = bus::Reader<bus::RegionOrder>::create(
-        *participant, hosts::order_part(config.name, own->name));
+    auto orders = bus::Reader<bus::RegionOrder>::create(*participant,
+                                                        hosts::order_part(config.name, own->name));
     if (!orders) return tl::unexpected(orders.error());
     auto meshes = bus::Writer<bus::RegionMeshes>::create(*participant, config.name);
     if (!meshes) return tl::unexpected(meshes.error());
@@ -94,20 +87,20 @@ Expected<std::unique_ptr<RegionNode>> RegionNode::create(const SiteNodeConfig& a
                    own->name,
                    fmt::join(own->regions, " "),
                    config.threads);
-    return std::unique_ptr<RegionNode>(
-        new RegionNode(std::move(config),
-                       own->name,
-                       std::move(*work),
-                       {std::move(*orders), std::move(*meshes), std::move(*status), std::move(*waiter)},
-                       run_control,
-                       std::move(*member)));
+    return std::unique_ptr<RegionNode>(new RegionNode(
+        std::move(config),
+        own->name,
+        std::move(*work),
+        {std::move(*orders), std::move(*meshes), std::move(*status), std::move(*waiter)},
+        run_control,
+        std::move(*member)));
 }
 
 RegionNode::RegionNode(SiteNodeConfig config,
                        std::string host,
                        RegionWork work,
                        Bus bus,
-                       std::shared_ptr<site_node::RunControl> run_control,
+                       std::shared_ptr<RunControl> run_control,
                        std::unique_ptr<presence::Membership> membership)
     : config_(std::move(config)),
       host_(std::move(host)),
@@ -172,21 +165,23 @@ void RegionNode::answer(const bus::RegionOrder& order) {
     std::size_t num_bytes = 0;
     if (done) {
         const auto written = bus_.meshes.write(answer_);
-        if (written) num_bytes = *written;
-        else done = tl::unexpected(written.error());
+        if (written)
+            num_bytes = *written;
+        else
+            done = tl::unexpected(written.error());
     }
     const auto end = Clock::now();
     if (!done) complaints_.warn("not answered: " + done.error().message);
     const std::lock_guard lock(mutex_);
     if (!done || !answer_.reason.empty()) ++status_.num_failed;
     if (!done) return;
-    status_.num_meshes += static_cast<std::uint64_t>(std::ranges::count(
-        answer_.regions, bus::RegionOutcome::kMesh, &bus::RegionHull::outcome));
+    status_.num_meshes += static_cast<std::uint64_t>(
+        std::ranges::count(answer_.regions, bus::RegionOutcome::kMesh, &bus::RegionHull::outcome));
     status_.num_bytes_published += num_bytes;
     if (status_.first_output_s == 0.0) status_.first_output_s = app::seconds_since_start();
     order_to_mesh_.add(end - begin);
-    hull_.add(from_ms(answer_.hull_ms));
-    coding_.add(from_ms(answer_.mesh_ms));
+    hull_.add(from_milliseconds(answer_.hull_ms));
+    coding_.add(from_milliseconds(answer_.mesh_ms));
     publishing_.add(end - publish_begin);
 }
 
@@ -225,11 +220,9 @@ bus::RegionNodeStatus RegionNode::status() const {
     status.time = Timestamp::now();
     status.resident_bytes = app::resident_bytes();
     status.order_to_mesh = summary(order_to_mesh_);
-    status.stages = {0.0,
-                     summary(hull_).median_ms,
-                     summary(coding_).median_ms,
-                     summary(publishing_).median_ms};
+    status.stages = {
+        0.0, summary(hull_).median_ms, summary(coding_).median_ms, summary(publishing_).median_ms};
     return status;
 }
 
-}  // namespace atrium::region_node
+}  // namespace atrium::site_node

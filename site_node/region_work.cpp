@@ -1,11 +1,11 @@
-#include "site_node/region_node/region_work.hpp"
+#include "site_node/region_work.hpp"
 
 #include <fmt/format.h>
 
 #include <chrono>
 #include <utility>
 
-namespace atrium::region_node {
+namespace atrium::site_node {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -18,7 +18,7 @@ bus::LeftOutTotals left_out_of(const hull::VisualHull& hull) {
     bus::LeftOutTotals totals;
     totals.num_phantoms = hull.num_phantoms_dropped;
     totals.num_fragments = hull.num_fragments_dropped;
-    totals.dropped_l = site_node::kLitresPerM3 * hull.volume_dropped_m3;
+    totals.dropped_l = kLitresPerM3 * hull.volume_dropped_m3;
     totals.num_contours_dropped = hull.num_contours_dropped;
     totals.num_contours_repaired = hull.num_contours_repaired;
     return totals;
@@ -27,7 +27,7 @@ bus::LeftOutTotals left_out_of(const hull::VisualHull& hull) {
 }  // namespace
 
 RegionWork::RegionWork(std::vector<geometry::CalibratedCamera> cameras,
-                       site_node::HullStage hull,
+                       HullStage hull,
                        const codec::MeshCodecOptions& options)
     : cameras_(std::move(cameras)),
       hull_(std::move(hull)),
@@ -99,4 +99,4 @@ Expected<void> RegionWork::compute(const bus::RegionOrder& order,
     return {};
 }
 
-}  // namespace atrium::region_node
+}  // namespace atrium::site_node
