@@ -69,7 +69,7 @@ Expected<std::unique_ptr<RegionNode>> RegionNode::create(const SiteNodeConfig& a
     auto member = presence::join_world(
         *participant,
         bus::ProgramKind::kRegionNode,
-        bus::camera_node_name(config.name, own->name),
+        bus::host_program_name(config.name, own->name),
         [run_control](const Error& lost) { run_control->lose_name(lost); },
         stop);
     if (!member) return tl::unexpected(member.error());

@@ -35,7 +35,7 @@ private:
     std::vector<geometry::CalibratedCamera> cameras_;
     HullStage hull_;
     std::vector<std::uint32_t> regions_;  // of this host
-    MeshCoding meshes_;        // one of each region of the site
+    MeshCoding meshes_;                   // one of each region of the site
     std::vector<std::uint8_t> delivered_;
     hull::VisualHull whole_;
 };

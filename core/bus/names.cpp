@@ -35,7 +35,7 @@ bool is_valid_line(std::string_view text) {
            std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
 }
 
-std::string camera_node_name(const std::string& site, const std::string& host) {
+std::string host_program_name(const std::string& site, const std::string& host) {
     return site + "." + host;
 }
 

@@ -19,9 +19,10 @@ bool is_valid_model_file(std::string_view file);
 bool is_valid_line(std::string_view text);
 
 /// The name of a camera node or region node among the programs of its world: "SITE.HOST".
-std::string camera_node_name(const std::string& site, const std::string& host);
+std::string host_program_name(const std::string& site, const std::string& host);
 
-/// "site", "world server", "viewer", "program", "camera node", "region node"; also for a kind from the network.
+/// "site", "world server", "viewer", "program", "camera node", "region node"; also for a kind from
+/// the network.
 const char* kind_name(ProgramKind kind);
 
 }  // namespace atrium::bus

@@ -130,7 +130,7 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
     auto member = presence::join_world(
         *participant,
         bus::ProgramKind::kCameraNode,
-        bus::camera_node_name(config.name, name),
+        bus::host_program_name(config.name, name),
         [run_control](const Error& lost) { run_control->lose_name(lost); },
         stop);
     if (!member) return tl::unexpected(member.error());

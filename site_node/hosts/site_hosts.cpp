@@ -66,7 +66,7 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
     bool takes_any = false;
     for (const HostEntry& host : hosts) {
         if (++num_named[host.name] > 1) return wrong(host.place, "two are named '{}'", host.name);
-        if (!config::is_valid_name(bus::camera_node_name(site, host.name)))
+        if (!config::is_valid_name(bus::host_program_name(site, host.name)))
             return wrong(
                 host.place, "'{}' with the site's name must have at most 62 characters", host.name);
         if (host.is_model && model != nullptr)

@@ -25,6 +25,7 @@ Inbox::Inbox(bus::Participant participant,
              bus::Reader<bus::WorldStatus> worlds,
              bus::Reader<bus::ViewerStatus> viewers,
              bus::Reader<bus::CameraNodeStatus> camera_nodes,
+             bus::Reader<bus::RegionNodeStatus> region_nodes,
              bus::Reader<bus::StreamFeedback> feedback)
     : participant_(std::move(participant)),
       waiter_(std::move(waiter)),
@@ -33,12 +34,14 @@ Inbox::Inbox(bus::Participant participant,
       worlds_(std::move(worlds)),
       viewers_(std::move(viewers)),
       camera_nodes_(std::move(camera_nodes)),
+      region_nodes_(std::move(region_nodes)),
       feedback_(std::move(feedback)) {
     waiter_.add(presences_);
     waiter_.add(sites_);
     waiter_.add(worlds_);
     waiter_.add(viewers_);
     waiter_.add(camera_nodes_);
+    waiter_.add(region_nodes_);
     waiter_.add(feedback_);
 }
 
@@ -51,9 +54,10 @@ Expected<Inbox> Inbox::create(const bus::BusOptions& options, bool measure) {
     auto worlds = bus::Reader<bus::WorldStatus>::create(*participant);
     auto viewers = bus::Reader<bus::ViewerStatus>::create(*participant);
     auto camera_nodes = bus::Reader<bus::CameraNodeStatus>::create(*participant);
+    auto region_nodes = bus::Reader<bus::RegionNodeStatus>::create(*participant);
     auto feedback = bus::Reader<bus::StreamFeedback>::create(*participant);
-    const Error* error =
-        first_error(waiter, presences, sites, worlds, viewers, camera_nodes, feedback);
+    const Error* error = first_error(
+        waiter, presences, sites, worlds, viewers, camera_nodes, region_nodes, feedback);
     if (error != nullptr) return tl::unexpected(*error);
     Inbox inbox(std::move(*participant),
                 std::move(*waiter),
@@ -62,6 +66,7 @@ Expected<Inbox> Inbox::create(const bus::BusOptions& options, bool measure) {
                 std::move(*worlds),
                 std::move(*viewers),
                 std::move(*camera_nodes),
+                std::move(*region_nodes),
                 std::move(*feedback));
     if (measure) {
         if (auto subscribed = inbox.subscribe_to_streams(); !subscribed)
@@ -104,11 +109,19 @@ void Inbox::take(WorldModel& model) {
                    now);
     const auto node_gone = [&](const bus::CameraNodeStatus& key, bus::Ending how) {
         model.status_gone(
-            ProgramKind::kCameraNode, bus::camera_node_name(key.site, key.host), how, now);
+            ProgramKind::kCameraNode, bus::host_program_name(key.site, key.host), how, now);
     };
     model.rejected(camera_nodes_.take(
                        [&](bus::CameraNodeStatus&& status) { model.see(status, now); }, node_gone),
                    now);
+    const auto region_gone = [&](const bus::RegionNodeStatus& key, bus::Ending how) {
+        model.status_gone(
+            ProgramKind::kRegionNode, bus::host_program_name(key.site, key.host), how, now);
+    };
+    model.rejected(
+        region_nodes_.take([&](bus::RegionNodeStatus&& status) { model.see(status, now); },
+                           region_gone),
+        now);
     model.rejected(feedback_.take([&](bus::StreamFeedback&& sample) { model.see(sample, now); },
                                   [&](const bus::StreamFeedback& key) { model.gone(key); }),
                    now);

@@ -35,6 +35,7 @@ private:
           bus::Reader<bus::WorldStatus> worlds,
           bus::Reader<bus::ViewerStatus> viewers,
           bus::Reader<bus::CameraNodeStatus> camera_nodes,
+          bus::Reader<bus::RegionNodeStatus> region_nodes,
           bus::Reader<bus::StreamFeedback> feedback);
     Expected<void> subscribe_to_streams();
     void take_streams(WorldModel& model, WorldModel::Clock::time_point now);
@@ -46,6 +47,7 @@ private:
     bus::Reader<bus::WorldStatus> worlds_;
     bus::Reader<bus::ViewerStatus> viewers_;
     bus::Reader<bus::CameraNodeStatus> camera_nodes_;
+    bus::Reader<bus::RegionNodeStatus> region_nodes_;
     bus::Reader<bus::StreamFeedback> feedback_;
     std::optional<Streams> streams_;
 };

@@ -118,7 +118,13 @@ void WorldModel::see(const bus::ViewerStatus& status, Clock::time_point now) {
 }
 
 void WorldModel::see(const bus::CameraNodeStatus& status, Clock::time_point now) {
-    take({bus::ProgramKind::kCameraNode, bus::camera_node_name(status.site, status.host)},
+    take({bus::ProgramKind::kCameraNode, bus::host_program_name(status.site, status.host)},
+         figures_of(status),
+         now);
+}
+
+void WorldModel::see(const bus::RegionNodeStatus& status, Clock::time_point now) {
+    take({bus::ProgramKind::kRegionNode, bus::host_program_name(status.site, status.host)},
          figures_of(status),
          now);
 }

@@ -42,6 +42,7 @@ public:
     void see(const bus::WorldStatus& status, Clock::time_point now);
     void see(const bus::ViewerStatus& status, Clock::time_point now);
     void see(const bus::CameraNodeStatus& status, Clock::time_point now);
+    void see(const bus::RegionNodeStatus& status, Clock::time_point now);
     /// The writer of the statuses has left. Ignored while a Presence shows that the program is
     /// here.
     void status_gone(bus::ProgramKind kind,
