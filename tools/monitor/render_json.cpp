@@ -9,7 +9,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr const char* kKinds[] = {"site", "world_server", "viewer", "other", "camera_node"};
+constexpr const char* kKinds[] = {
+    "site", "world_server", "viewer", "other", "camera_node", "region_node"};
 constexpr const char* kStates[] = {"present", "silent", "gone"};
 constexpr const char* kTrusts[] = {"one_clock", "synchronised", "unsynchronised", "unknown"};
 
@@ -140,7 +141,8 @@ ordered_json alarms_json(const std::vector<Figures::Alarm>& alarms) {
 
 ordered_json program_json(const ProgramReport& program) {
     ordered_json out;
-    out["kind"] = kKinds[std::min<std::size_t>(static_cast<std::size_t>(program.kind), 4)];
+    out["kind"] = kKinds[std::min<std::size_t>(static_cast<std::size_t>(program.kind),
+                                               std::size(kKinds) - 1)];
     out["name"] = program.name;
     out["state"] = kStates[static_cast<std::size_t>(program.state)];
     const bool is_gone = program.state == ProgramState::kGone;
