@@ -5,6 +5,7 @@
 #include "core/bus/names.hpp"
 #include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
+#include "site_node/hosts/model_part_watch.hpp"
 #include "site_node/hosts/region_hosts.hpp"
 #include "site_node/start_check.hpp"
 
@@ -191,6 +192,7 @@ void RegionNode::report_status(std::stop_token stop) {
     RateMeter rate;
     RateMeter byte_rate;
     atrium::status::OverloadLog overload(bus::ProgramKind::kRegionNode);
+    hosts::ModelPartWatch model_part(config_.hosts, Clock::now());
     const auto begin = Clock::now();
     const auto end = begin + std::chrono::duration_cast<Clock::duration>(
                                  std::chrono::duration<double>(config_.seconds));
@@ -207,6 +209,7 @@ void RegionNode::report_status(std::stop_token stop) {
             status_.processor = processor_meter_.update();
         }
         const bus::RegionNodeStatus now = status();
+        if (const auto event = model_part.look(now.num_orders, Clock::now())) log(*event);
         if (const auto written = bus_.status.write(now); !written)
             complaints_.warn(written.error().message);
         if (const auto line = overload.look(atrium::status::figures_of(now), Clock::now()))

@@ -5,6 +5,7 @@
 #include "core/presence/kernel_clock.hpp"
 #include "core/status/bottleneck.hpp"
 #include "site_node/camera_status.hpp"
+#include "site_node/hosts/model_part_watch.hpp"
 #include "site_node/source/open_source.hpp"
 
 #include <fmt/format.h>
@@ -221,6 +222,7 @@ void CameraNode::report_status(std::stop_token stop) {
     RateMeter silhouette_rate;
     RateMeter texture_rate;
     atrium::status::OverloadLog overload(bus::ProgramKind::kCameraNode);
+    hosts::ModelPartWatch model_part(config_.hosts, Clock::now());
     const auto begin = Clock::now();
     const auto end = begin + std::chrono::duration_cast<Clock::duration>(
                                  std::chrono::duration<double>(config_.seconds));
@@ -237,6 +239,7 @@ void CameraNode::report_status(std::stop_token stop) {
             const std::lock_guard processor_lock(processor_mutex_);
             processor_ = processor_meter_.update();
         }
+        if (const auto event = model_part.look(newest_orders().number, Clock::now())) log(*event);
         const bus::CameraNodeStatus now = status();
         if (const auto written = bus_.status.write(now); !written)
             complaints_.warn(written.error().message);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/app/log.hpp"
+
 #include <string>
 
 namespace atrium::hosts {
@@ -9,5 +11,9 @@ struct HostEvent {
     bool is_warning = false;
     std::string line;
 };
+
+inline void log(const HostEvent& event) {
+    app::log::write(event.is_warning ? app::log::Level::kWarn : app::log::Level::kInfo, event.line);
+}
 
 }  // namespace atrium::hosts

@@ -174,9 +174,7 @@ void HostsSource::log_events() {
         const std::lock_guard lock(mutex_);
         events = table_.take_events();
     }
-    for (const HostEvent& event : events)
-        app::log::write(event.is_warning ? app::log::Level::kWarn : app::log::Level::kInfo,
-                        event.line);
+    for (const HostEvent& event : events) log(event);
 }
 
 std::vector<capture::CameraCounters> HostsSource::camera_counters() const {

@@ -147,9 +147,7 @@ std::vector<bus::RegionMeshes> RegionHosts::collect(std::uint64_t frame_id) {
         table_.end(Clock::now());
         events = table_.take_events();
     }
-    for (const HostEvent& event : events)
-        app::log::write(event.is_warning ? app::log::Level::kWarn : app::log::Level::kInfo,
-                        event.line);
+    for (const HostEvent& event : events) log(event);
     std::vector<bus::RegionMeshes> all;
     for (std::size_t i = 0; i < answers.size(); ++i)
         all.push_back(answers[i] ? std::move(*answers[i]) : without_answer(i, frame_id));
