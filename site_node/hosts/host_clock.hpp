@@ -12,7 +12,8 @@ namespace atrium::hosts {
 /// Measures the clock of another host as NTP does (RFC 5905, section 8): a question leaves here at
 /// `asked`, reaches the other host at `received`, is answered there at `answered`, and the answer
 /// is here at `returned`. Half of the way's time bounds the error, however unequal both ways are.
-/// The answers of the last seconds count, best the one with the shortest way. Not thread-safe.
+/// The answers of the last seconds count together: the shortest way there and the shortest way back
+/// bound the error. Not thread-safe.
 class HostClock {
 public:
     using Time = std::chrono::steady_clock::time_point;

@@ -65,5 +65,30 @@ TEST(HostClock, IgnoresImpossibleAnswers) {
     EXPECT_TRUE(sut.estimate(now));
 }
 
+// Ways of 1 ms there and 9 ms back, and of 9 ms there and 1 ms back: the offset is 0.
+TEST(HostClock, ShortestWaysOfDifferentAnswersCountTogether) {
+    const auto at = [](int ms) { return kStart + milliseconds(ms); };
+    HostClock sut;
+    const HostClock::Time now{};
+    sut.add({at(0), at(1), at(1), at(10)}, now);
+    EXPECT_LE(sut.estimate(now)->error, milliseconds(5) + nanoseconds(2));
+    EXPECT_GE(sut.estimate(now)->error, milliseconds(5));
+    sut.add({at(100), at(109), at(109), at(110)}, now);
+    EXPECT_LE(sut.estimate(now)->error, milliseconds(1) + nanoseconds(2));
+    EXPECT_GE(sut.estimate(now)->error, milliseconds(1));
+    EXPECT_LE(std::chrono::abs(sut.estimate(now)->offset), nanoseconds(2));
+}
+
+// A clock may be set by less than begins an epoch: then the quickest answer counts.
+TEST(HostClock, OfAnswersThatContradictEachOtherTheQuickestCounts) {
+    const auto at_us = [](int us) { return kStart + std::chrono::microseconds(us); };
+    HostClock sut;
+    const HostClock::Time now{};
+    sut.add({at_us(0), at_us(100), at_us(100), at_us(200)}, now);
+    sut.add({at_us(1000), at_us(1000 + 90 + 700), at_us(1000 + 90 + 700), at_us(1000 + 180)}, now);
+    EXPECT_EQ(sut.estimate(now)->offset, std::chrono::microseconds(700));
+    EXPECT_LE(sut.estimate(now)->error, std::chrono::microseconds(91));
+}
+
 }  // namespace
 }  // namespace atrium::hosts
