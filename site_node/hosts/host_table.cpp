@@ -133,7 +133,10 @@ void HostTable::add(const bus::ClockAnswer& answer, Timestamp returned, Time arr
 }
 
 void HostTable::forget_clocks() {
-    for (Host& host : hosts_) host.clocks.clear();
+    for (Host& host : hosts_) {
+        host.clocks.clear();
+        host.delays.clear();  // some by the former clock
+    }
 }
 
 bus::HostState HostTable::judge(Host& host, Time now) const {
@@ -151,7 +154,9 @@ bus::HostState HostTable::judge(Host& host, Time now) const {
     // The assembler waits from the first picture on: what counts is how much later than the others.
     std::optional<nanoseconds> quickest;
     for (const Host& other : hosts_) {
-        if (&other == &host || other.delays.empty() || other.state == State::kMissing) continue;
+        // of the others the delays are old
+        if (other.state != State::kInUse && other.state != State::kLate) continue;
+        if (&other == &host || other.delays.empty()) continue;
         const nanoseconds delay = *std::ranges::min_element(other.delays);
         quickest = std::min(quickest.value_or(delay), delay);
     }

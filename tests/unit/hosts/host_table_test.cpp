@@ -211,6 +211,37 @@ TEST_F(HostTableTest, WhenItsOwnClockIsSetItMeasuresAnew) {
     EXPECT_FALSE(see("left", 0, milliseconds(3)).empty());
 }
 
+// Silhouettes that come between the moment and the notice of it have delays by the wrong clock.
+TEST_F(HostTableTest, SettingItsOwnClockBackMakesNobodyLate) {
+    ask("left", nanoseconds(0));
+    ask("right", nanoseconds(0));
+    see("right", 2);
+    now_ = now_ + -std::chrono::seconds(5);
+    see("right", 2, std::chrono::seconds(5));
+    table_.forget_clocks();
+    // only one of the hosts is set, too
+    ask("left", nanoseconds(0), 2);
+    ask("right", std::chrono::seconds(5));
+    for (int i = 0; i < 20; ++i) {
+        see("left", 0, nanoseconds(0), milliseconds(4), 2);
+        see("right", 2, std::chrono::seconds(5));
+    }
+    EXPECT_EQ(state(1), HostState::kClockWrong);
+    EXPECT_EQ(state(0), HostState::kInUse);
+}
+
+// What it was before its clock was wrong is no measure for the others: all may be slower by now.
+TEST_F(HostTableTest, AHostOfWrongClockMakesNobodyLate) {
+    ask("left", nanoseconds(0));
+    ask("right", nanoseconds(0));
+    see("right", 2);
+    ask("right", milliseconds(20), 2);
+    see("right", 2, milliseconds(20), milliseconds(4), 2);
+    ASSERT_EQ(state(1), HostState::kClockWrong);
+    for (int i = 0; i < 20; ++i) see("left", 0, nanoseconds(0), milliseconds(130));
+    EXPECT_EQ(state(0), HostState::kInUse);
+}
+
 // Whatever a hostile program of the world sends: no overflow, no picture of a wrong time.
 TEST_F(HostTableTest, SurvivesHostileTimesAndNames) {
     std::mt19937_64 random(5);
