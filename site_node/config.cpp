@@ -278,6 +278,15 @@ std::string own_host(const SiteNodeConfig& config) {
 Expected<void> check_hosts(const SiteNodeConfig& config, const config::Rig& rig) {
     std::vector<std::string> regions;
     for (const RegionOptions& region : config.pipeline.hull.regions) regions.push_back(region.name);
+    // recordings and simulated rooms have all cameras everywhere
+    if (const auto sharing = hosts::hosts_that_share(config.hosts);
+        !sharing.empty() && config.capture.source != "cameras")
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("host: {} have cameras = \"auto\", but source = \"{}\" has all cameras on "
+                        "each host: name the cameras of each",
+                        fmt::join(sharing, " and "),
+                        config.capture.source));
     return hosts::check_hosts(config.hosts, rig, regions, config.name);
 }
 

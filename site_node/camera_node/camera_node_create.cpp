@@ -30,6 +30,7 @@ using Stages = std::vector<std::optional<site_node::SilhouetteStage>>;
 
 Expected<Stages> make_stages(capture::FrameSource& source,
                              const SiteNodeConfig& config,
+                             bool shares_cameras,
                              std::stop_token stop) {
     Stages stages;
     const auto& cameras = source.rig().cameras;
@@ -51,9 +52,12 @@ Expected<Stages> make_stages(capture::FrameSource& source,
             return make_error(
                 made[i].error().kind,
                 fmt::format("camera '{}': {}", cameras[i].name, made[i].error().message));
-        app::log::warn("camera '{}' is excluded: it did not show the empty room at the start",
-                       cameras[i].name);
         stages.emplace_back();
+        if (shares_cameras)
+            app::log::info("camera '{}' does not answer here", cameras[i].name);
+        else
+            app::log::warn("camera '{}' is excluded: it did not show the empty room at the start",
+                           cameras[i].name);
     }
     if (num_there == 0)
         return make_error(ErrorKind::kUnavailable, "no camera of this host shows the empty room");
@@ -74,6 +78,7 @@ struct Part {
     config::Rig rig;  // of the whole site
     std::string host;
     std::vector<std::string> cameras;
+    bool shares_cameras = false;  // with other hosts: some of them hang there
 };
 
 Expected<Part> own_part(const SiteNodeConfig& config) {
@@ -101,7 +106,8 @@ Expected<Part> own_part(const SiteNodeConfig& config) {
     if (cameras.empty())
         return wrong(
             fmt::format("{}: host: '{}' has no cameras: run site_node there", host->place, name));
-    return Part{std::move(*rig), name, std::move(cameras)};
+    const bool shares = host->takes_any && !hosts::hosts_that_share(config.hosts).empty();
+    return Part{std::move(*rig), name, std::move(cameras), shares};
 }
 
 }  // namespace
@@ -120,7 +126,7 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
                                                          std::stop_token stop) {
     const auto part = own_part(asked);
     if (!part) return tl::unexpected(part.error());
-    const auto& [rig, name, names] = *part;
+    const auto& [rig, name, names, shares_cameras] = *part;
     SiteNodeConfig config = asked;
     if (config.threads == 0) config.threads = site_node::default_threads();
 
@@ -147,7 +153,7 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
                    name,
                    fmt::join(names, " "),
                    rate_hz);
-    auto stages = make_stages(**source, config, stop);
+    auto stages = make_stages(**source, config, shares_cameras, stop);
     if (!stages) return tl::unexpected(stages.error());
 
     const std::vector<std::uint32_t> indices = indices_in(rig, (*source)->rig());

@@ -64,25 +64,57 @@ HostTable::HostTable(std::vector<std::string> cameras,
                 owners_[static_cast<std::size_t>(found - cameras_.begin())] = hosts_.size() - 1;
         }
     }
+    const auto num_any =
+        std::ranges::count_if(hosts_, [](const Host& host) { return host.entry.takes_any; });
+    last_pictures_.resize(cameras_.size());
+    for (std::size_t camera = 0; camera < cameras_.size(); ++camera)
+        is_open_.push_back(num_any > 1 && !owners_[camera]);
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
-        if (!hosts_[i].entry.takes_any) continue;
+        if (!hosts_[i].entry.takes_any || num_any > 1) continue;
         for (auto& owner : owners_) owner = owner.value_or(i);
     }
 }
 
-HostTable::Host* HostTable::owner_of(const bus::CameraSilhouette& silhouette) {
-    if (silhouette.camera >= cameras_.size() || !owners_[silhouette.camera]) return nullptr;
+nanoseconds HostTable::silence() const { return std::max(5 * options_.period, kShortestSilence); }
+
+HostTable::Host* HostTable::owner_of(const bus::CameraSilhouette& silhouette, Time now) {
+    if (silhouette.camera >= cameras_.size()) return nullptr;
+    if (is_open_[silhouette.camera]) return claim(silhouette, now);
+    if (!owners_[silhouette.camera]) return nullptr;
     Host& host = hosts_[*owners_[silhouette.camera]];
     return host.entry.name == silhouette.host ? &host : nullptr;
+}
+
+// Only pictures claim a camera: each auto host says that it lacks those of the others.
+HostTable::Host* HostTable::claim(const bus::CameraSilhouette& silhouette, Time now) {
+    const auto found = std::ranges::find_if(hosts_, [&](const Host& host) {
+        return host.entry.takes_any && host.entry.name == silhouette.host;
+    });
+    if (found == hosts_.end()) return nullptr;
+    auto& owner = owners_[silhouette.camera];
+    const auto index = static_cast<std::size_t>(found - hosts_.begin());
+    Time& last = last_pictures_[silhouette.camera];
+    if (owner != index) {
+        if (!silhouette.has_picture || (owner && now - last <= silence())) return nullptr;
+        owner = index;
+        events_.push_back({false,
+                           fmt::format("camera_found host={} camera={}",
+                                       found->entry.name,
+                                       cameras_[silhouette.camera])});
+    }
+    if (silhouette.has_picture) last = now;
+    return &*found;
 }
 
 void HostTable::add(bus::CameraSilhouette silhouette,
                     Timestamp now,
                     Time arrival,
                     std::vector<capture::CameraFrame>& out) {
-    Host* const host = owner_of(silhouette);
+    Host* const host = owner_of(silhouette, arrival);
     if (host == nullptr) {
-        if (!std::exchange(told_stranger_, true))
+        const bool is_of_another =
+            silhouette.camera < cameras_.size() && is_open_[silhouette.camera];
+        if (!is_of_another && !std::exchange(told_stranger_, true))
             events_.push_back({true,
                                fmt::format("host_unknown host={} camera={} reason=\"the site's "
                                            "file gives this camera to another host\" advice=\"use "
@@ -141,8 +173,7 @@ void HostTable::forget_clocks() {
 
 bus::HostState HostTable::judge(Host& host, Time now) const {
     using State = bus::HostState;
-    const nanoseconds silence = std::max(5 * options_.period, kShortestSilence);
-    if (!host.last_heard || now - *host.last_heard > silence) return State::kMissing;
+    if (!host.last_heard || now - *host.last_heard > silence()) return State::kMissing;
     const auto clock = host.clocks.find(host.epoch);
     const auto estimate = clock == host.clocks.end() ? std::nullopt : clock->second.estimate(now);
     if (!estimate || estimate->error > options_.period / 8) return State::kClockUnknown;

@@ -29,6 +29,9 @@ struct HostTableOptions {
 /// off by at most a quarter; its time is then corrected. So two pictures of different instants are
 /// never closer than half a period, and the assembler cannot mix them. Of each other host, lost
 /// pictures are reported in its place: nobody waits for it.
+///
+/// A camera that no host names belongs to the host with `cameras = "auto"`; of several such hosts
+/// to that which sends pictures of it, and to another one if these end.
 class HostTable {
 public:
     using Time = std::chrono::steady_clock::time_point;
@@ -73,7 +76,9 @@ private:
         std::uint64_t num_left_out = 0;
     };
 
-    Host* owner_of(const bus::CameraSilhouette& silhouette);
+    Host* owner_of(const bus::CameraSilhouette& silhouette, Time now);
+    Host* claim(const bus::CameraSilhouette& silhouette, Time now);
+    std::chrono::nanoseconds silence() const;
     bus::HostState judge(Host& host, Time now) const;
     void enter(Host& host, bus::HostState state, Time now);
     void tell(Host& host, Time now);
@@ -84,6 +89,8 @@ private:
     HostTableOptions options_;
     std::vector<Host> hosts_;
     std::vector<std::optional<std::size_t>> owners_;  // per camera; empty: none has it
+    std::vector<bool> is_open_;        // per camera: belongs to whichever auto host sends it
+    std::vector<Time> last_pictures_;  // per camera
     std::vector<HostEvent> events_;
     bool told_stranger_ = false;
 };

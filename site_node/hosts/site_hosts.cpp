@@ -75,11 +75,6 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
                          model->name,
                          host.name);
         if (host.is_model) model = &host;
-        if (host.takes_any && takes_any)
-            return wrong(host.place,
-                         "two have cameras = \"auto\": which one has which? Name the cameras of "
-                         "'{}'",
-                         host.name);
         takes_any |= host.takes_any;
         for (const std::string& region : host.regions) {
             if (std::ranges::find(regions, region) == regions.end())
@@ -125,6 +120,15 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
             return wrong(hosts.front().place, "camera '{}' hangs on none", camera.name);
     }
     return {};
+}
+
+std::vector<std::string> hosts_that_share(const std::vector<HostEntry>& hosts) {
+    std::vector<std::string> names;
+    for (const HostEntry& host : hosts) {
+        if (host.takes_any) names.push_back(host.name);
+    }
+    if (names.size() < 2) names.clear();
+    return names;
 }
 
 const HostEntry* host_of_region(const std::vector<HostEntry>& hosts, const std::string& region) {

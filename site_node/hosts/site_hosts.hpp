@@ -14,7 +14,7 @@ namespace atrium::hosts {
 struct HostEntry {
     std::string name;                  // as `hostname` prints it
     std::vector<std::string> cameras;  // of the rig, by name
-    bool takes_any = false;  // cameras = "auto": those that answer there and no other host names
+    bool takes_any = false;  // cameras = "auto": those that answer there and that no host names
     bool is_model = false;   // collects the silhouettes and computes the hull
     std::string place;       // in the file, for errors: "site.toml:7"
     std::vector<std::string> regions{};  // whose hulls it computes instead of the model part
@@ -34,6 +34,10 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
                            const config::Rig& rig,
                            std::span<const std::string> regions,
                            const std::string& site);
+
+/// Those with cameras = "auto", if there are several: which of them has which camera shows only
+/// when they run.
+std::vector<std::string> hosts_that_share(const std::vector<HostEntry>& hosts);
 
 /// The host other than the model part's that computes this region; null: the model part does.
 const HostEntry* host_of_region(const std::vector<HostEntry>& hosts, const std::string& region);

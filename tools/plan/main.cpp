@@ -6,6 +6,7 @@
 #include "tools/plan/render_plan.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -50,6 +51,13 @@ Expected<SitePlan> make(const Options& options) {
     if (!config.hosts.empty()) {
         if (auto fits = site_node::check_hosts(config, *rig); !fits)
             return tl::unexpected(fits.error());
+        if (const auto sharing = hosts::hosts_that_share(config.hosts); !sharing.empty())
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format(
+                    "host: {} have cameras = \"auto\"; which has which shows only when they "
+                    "run: name the cameras of each for a plan",
+                    fmt::join(sharing, " and ")));
     }
     auto costs = load_costs(options.costs.empty() ? default_costs() : options.costs);
     if (!costs) return tl::unexpected(costs.error());

@@ -39,13 +39,14 @@ protected:
                                           std::uint32_t camera,
                                           nanoseconds offset = nanoseconds(0),
                                           nanoseconds delay = milliseconds(4),
-                                          std::uint64_t epoch = 1) {
+                                          std::uint64_t epoch = 1,
+                                          bool has_picture = true) {
         bus::CameraSilhouette silhouette;
         silhouette.host = name;
         silhouette.camera = camera;
         silhouette.capture_time = now_ + -delay + offset;
         silhouette.clock_epoch = epoch;
-        silhouette.has_picture = true;
+        silhouette.has_picture = has_picture;
         silhouette.contour_sizes = {3};
         silhouette.vertices_px = {{1, 2}, {3, 4}, {5, 6.25}};
         std::vector<capture::CameraFrame> frames;
@@ -69,6 +70,49 @@ protected:
                      {host("left", {"a", "b"}), host("right", {"c"}), host("hall", {}, true)},
                      {kPeriod, milliseconds(100)}};
 };
+
+// Both auto hosts see the cameras of the other one as lost.
+TEST_F(HostTableTest, ACameraBelongsToTheAutoHostThatSendsItsPictures) {
+    table_ = HostTable({"a", "b"},
+                       {host("left", {}, true), host("right", {}, true)},
+                       {kPeriod, milliseconds(100)});
+    const auto is_seen = [&](const std::string& name, std::uint32_t camera, bool has_picture) {
+        const auto frames = see(name, camera, {}, milliseconds(4), 1, has_picture);
+        return !frames.empty() && frames[0].camera == camera && !frames[0].is_lost();
+    };
+    const auto round = [&](bool left_has_b) {
+        pass(kPeriod);
+        for (const std::string name : {"left", "right"}) ask(name, nanoseconds(0));
+        EXPECT_TRUE(is_seen("left", 0, true));
+        EXPECT_TRUE(see("right", 0, {}, milliseconds(4), 1, false).empty());
+        EXPECT_EQ(is_seen("left", 1, left_has_b), left_has_b);
+        return is_seen("right", 1, !left_has_b);
+    };
+    // what comes before its clock is known claims the camera, too
+    for (const std::string name : {"left", "right"}) ask(name, nanoseconds(0));
+    see("left", 0);
+    see("right", 1);
+    for (int i = 0; i < 10; ++i) EXPECT_TRUE(round(false)) << i;
+    EXPECT_THAT(events(),
+                testing::AllOf(HasSubstr("camera_found host=left camera=a"),
+                               HasSubstr("camera_found host=right camera=b")));
+    EXPECT_EQ(table_.statuses()[0].num_cameras, 1u);
+    // plugged over: after a quarter of a second it is the other host's
+    int num_lost = 0;
+    for (int i = 0; i < 30; ++i) {
+        pass(kPeriod);
+        for (const std::string name : {"left", "right"}) ask(name, nanoseconds(0));
+        see("left", 0);
+        if (!is_seen("left", 1, true)) ++num_lost;
+        see("right", 1, {}, milliseconds(4), 1, false);
+    }
+    EXPECT_LE(num_lost, 8);
+    EXPECT_GE(num_lost, 6);
+    EXPECT_FALSE(round(true));
+    EXPECT_THAT(events(), HasSubstr("camera_found host=left camera=b"));
+    EXPECT_EQ(table_.statuses()[0].num_cameras, 2u);
+    EXPECT_EQ(table_.statuses()[1].num_cameras, 0u);
+}
 
 TEST_F(HostTableTest, UsesAHostOnceItsClockIsKnownAndCorrectsItsTimes) {
     EXPECT_TRUE(see("left", 0).empty());
