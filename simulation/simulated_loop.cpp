@@ -2,6 +2,7 @@
 
 #include "simulation/loop_cache.hpp"
 #include "simulation/mapped_file.hpp"
+#include "simulation/render_lock.hpp"
 #include "simulation/room_renderer.hpp"
 
 namespace atrium::simulation {
@@ -75,6 +76,13 @@ Expected<CachedLoop> load_or_render_loop(const std::vector<geometry::CalibratedC
                                          std::stop_token stop) {
     if (auto valid = check(options); !valid) return tl::unexpected(valid.error());
     const std::filesystem::path file = cache_file(cameras, options, cache_directory);
+    if (auto cached = read_cached_loop(file, cameras, options))
+        return CachedLoop{
+            .loop = *std::move(cached), .from_cache = true, .written = {}, .cache_problem = {}};
+    const auto on_wait = [&] {
+        if (progress) progress(0, 0);
+    };
+    const RenderLock lock = RenderLock::wait(file, on_wait, stop);
     if (auto cached = read_cached_loop(file, cameras, options))
         return CachedLoop{
             .loop = *std::move(cached), .from_cache = true, .written = {}, .cache_problem = {}};

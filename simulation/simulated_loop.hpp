@@ -35,7 +35,8 @@ struct SimulatedLoop {
 /// costs one system call.
 bool copy_to_memory_if_wanted(SimulatedLoop& loop);
 
-/// Called with the number of pictures done and the total.
+/// Called with the number of pictures done and the total; with zeros once if another process
+/// renders the same loop, for which `load_or_render_loop` waits.
 using LoopProgress = std::function<void(std::size_t num_done, std::size_t num_pictures)>;
 
 /// Renders every picture, which takes some milliseconds each. Error kUnavailable once `stop` is

@@ -32,7 +32,8 @@ Expected<std::unique_ptr<capture::FrameSource>> open_room(const config::Rig& rig
     }
     int last_percent = -1;
     const auto report = [&](std::size_t done, std::size_t total) {
-        const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);
+        if (total == 0) return app::log::info("another program renders this room: waiting for it");
+        const int percent = static_cast<int>(done * 100 / total);
         if (percent / 5 == last_percent / 5 && percent != 100) return;
         last_percent = percent;
         app::log::info("rendering the simulated room {} %", percent);

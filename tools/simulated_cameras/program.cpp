@@ -66,6 +66,7 @@ Expected<ShownPictures> load_pictures(const Plan& plan, std::stop_token stop) {
     }
     std::size_t last_step = 0;
     const auto report = [&](std::size_t done, std::size_t total) {
+        if (total == 0) return app::log::info("another program renders this room: waiting for it");
         const std::size_t step = done * 20 / total;
         if (step != last_step) app::log::info("rendering the simulated room {} %", step * 5);
         last_step = step;

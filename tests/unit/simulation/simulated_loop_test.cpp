@@ -2,6 +2,7 @@
 
 #include "simulation/loop_cache.hpp"
 #include "simulation/mapped_file.hpp"
+#include "simulation/render_lock.hpp"
 #include "tests/unit/simulation/rig_fixture.hpp"
 
 #include <gmock/gmock.h>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <atomic>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <string>
 #include <thread>
@@ -143,6 +145,50 @@ TEST_F(LoopCache, SharesTheFileBetweenBothSites) {
     ASSERT_TRUE(one.loop.file != nullptr && other.loop.file != nullptr);
     EXPECT_FALSE(one.loop.file->is_wanted());
     EXPECT_TRUE(same(one.loop, other.loop));
+}
+
+TEST_F(LoopCache, OneOfTwoRendersAndTheOtherWaits) {
+    std::promise<void> first_renders;
+    std::promise<void> second_waits;
+    std::future<void> waits = second_waits.get_future();
+    auto first = std::async(std::launch::async, [&] {
+        return load_or_render_loop(
+            cameras_, short_loop(), folder_, [&](std::size_t num_done, auto) {
+                if (num_done != 1) return;
+                first_renders.set_value();
+                waits.wait();
+            });
+    });
+    first_renders.get_future().wait();
+    std::size_t num_rendered = 0;
+    const auto second =
+        load_or_render_loop(cameras_, short_loop(), folder_, [&](auto, std::size_t num_pictures) {
+            if (num_pictures == 0)
+                second_waits.set_value();
+            else
+                ++num_rendered;
+        });
+    ASSERT_TRUE(second);
+    EXPECT_TRUE(second->from_cache);
+    EXPECT_EQ(num_rendered, 0u);
+    const auto rendered = first.get();
+    ASSERT_TRUE(rendered);
+    EXPECT_FALSE(rendered->from_cache);
+    EXPECT_TRUE(same(rendered->loop, second->loop));
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST_F(LoopCache, WaitingEndsOnRequest) {
+    const RenderLock held = RenderLock::wait(file(), {}, {});
+    std::stop_source stop;
+    const auto second = load_or_render_loop(
+        cameras_,
+        short_loop(),
+        folder_,
+        [&](auto, auto) { stop.request_stop(); },
+        stop.get_token());
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().kind, ErrorKind::kUnavailable);
 }
 
 TEST_F(LoopCache, OutlivesReplacingAndRemovingTheFile) {
