@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -146,33 +147,39 @@ double processor_ms() {
 }
 
 constexpr int kNumMessages = 1000;
+constexpr std::array<std::size_t, 2> kVertices{300, 6000};  // as one camera and a region have
+constexpr double kBytesPerVertex = 16.0;
 
-// Takes all silhouettes. Returns the processor time between the first and the last one.
-double take_messages(const bus::BusOptions& options) {
+// Takes kNumMessages silhouettes of each size. Returns the processor time between the first and the
+// last one of each.
+std::array<double, kVertices.size()> take_messages(const bus::BusOptions& options) {
     auto participant = bus::Participant::create(options);
     auto reader = bus::Reader<bus::CameraSilhouette>::create(*participant);
     auto waiter = bus::Waiter::create(*participant);
     waiter->add(*reader);
-    double first_ms = -1.0;
-    int num_taken = 0;
-    while (num_taken < kNumMessages && waiter->wait(std::chrono::seconds(20))) {
-        reader->take([&](bus::CameraSilhouette&&) {
-            if (first_ms < 0.0) first_ms = processor_ms();
-            ++num_taken;
+    std::array<double, kVertices.size()> first_ms{};
+    std::array<double, kVertices.size()> last_ms{};
+    std::array<int, kVertices.size()> num_taken{};
+    while (num_taken.back() < kNumMessages && waiter->wait(std::chrono::seconds(20))) {
+        reader->take([&](bus::CameraSilhouette&& silhouette) {
+            const std::size_t size = silhouette.vertices_px.size() == kVertices[0] ? 0 : 1;
+            last_ms[size] = processor_ms();
+            if (num_taken[size]++ == 0) first_ms[size] = last_ms[size];
         });
     }
-    return processor_ms() - first_ms;
+    return {last_ms[0] - first_ms[0], last_ms[1] - first_ms[1]};
 }
 
-// Processor time to write one silhouette here and to take it in another process.
-Expected<double> message_ms() {
+// Processor time to write one silhouette here and to take it in another process, over its
+// kilobytes.
+Expected<Line> message_ms() {
     bus::BusOptions options;
     options.world = fmt::format("costs-{}", getpid());
     int result[2] = {};
     if (pipe(result) != 0) return make_error(ErrorKind::kUnavailable, "no pipe");
     const pid_t pid = fork();
     if (pid == 0) {
-        const double taken_ms = take_messages(options);
+        const auto taken_ms = take_messages(options);
         _exit(write(result[1], &taken_ms, sizeof(taken_ms)) == sizeof(taken_ms) ? 0 : 1);
     }
     auto participant = bus::Participant::create(options);
@@ -182,21 +189,30 @@ Expected<double> message_ms() {
     bus::CameraSilhouette silhouette;
     silhouette.site = "hall";
     silhouette.host = "left";
-    silhouette.contour_sizes = {300};
-    silhouette.vertices_px.assign(300, {1.0, 2.0});
     while (writer->num_readers() == 0) usleep(10'000);
-    const double before = processor_ms();
-    for (int i = 0; i < kNumMessages; ++i) {
-        if (auto written = writer->write(silhouette); !written)
-            return tl::unexpected(written.error());
-        usleep(2'000);
+    std::array<double, kVertices.size()> written_ms{};
+    for (std::size_t size = 0; size < kVertices.size(); ++size) {
+        silhouette.contour_sizes = {static_cast<std::uint32_t>(kVertices[size])};
+        silhouette.vertices_px.assign(kVertices[size], {1.0, 2.0});
+        const double before = processor_ms();
+        for (int i = 0; i < kNumMessages; ++i) {
+            if (auto written = writer->write(silhouette); !written)
+                return tl::unexpected(written.error());
+            usleep(4'000);
+        }
+        written_ms[size] = processor_ms() - before;
     }
-    const double written_ms = processor_ms() - before;
-    double taken_ms = 0.0;
+    std::array<double, kVertices.size()> taken_ms{};
     const bool is_told = read(result[0], &taken_ms, sizeof(taken_ms)) == sizeof(taken_ms);
     waitpid(pid, nullptr, 0);
     if (!is_told) return make_error(ErrorKind::kInternal, "the reader of silhouettes failed");
-    return (written_ms + taken_ms) / kNumMessages;
+    std::vector<double> kilobytes;
+    std::vector<double> each_ms;
+    for (std::size_t size = 0; size < kVertices.size(); ++size) {
+        kilobytes.push_back(1e-3 * kBytesPerVertex * static_cast<double>(kVertices[size]));
+        each_ms.push_back((written_ms[size] + taken_ms[size]) / kNumMessages);
+    }
+    return fit(kilobytes, each_ms);
 }
 
 int run() {
@@ -266,8 +282,9 @@ int run() {
     fmt::print("ms_per_ktriangle = {:.3f}\n", costs[1].mesh_ms_per_ktriangle);
     fmt::print("bytes_per_triangle = {:.2f}\n\n", costs[1].mesh_bytes_per_triangle);
     fmt::print("[message]\n");
-    fmt::print("ms = {:.3f}  # processor time to write and take a silhouette of 300 vertices\n",
-               *message);
+    fmt::print("ms = [{:.3f}, {:.4f}]  # processor time to write and take one: fixed, per kB\n",
+               message->fixed,
+               message->slope);
     return 0;
 }
 

@@ -31,7 +31,7 @@ struct Costs {
     double triangles_per_segment = 0.0;
     double mesh_ms_per_ktriangle = 0.0;
     double mesh_bytes_per_triangle = 0.0;
-    double message_ms = 0.0;  // to write and take one silhouette
+    Cost message_ms;  // to write and take a message, over its kilobytes
 
     /// Time of a hull of so many views with so many segments in all.
     double hull_ms(std::size_t num_views, double num_segments, int num_threads) const;

@@ -62,6 +62,21 @@ Sums sums_of(const PlanInput& input,
     return sums;
 }
 
+// Messages that a host writes or takes.
+struct Messages {
+    double num = 0.0;
+    double bytes = 0.0;
+
+    void add(double more, double more_bytes) {
+        num += more;
+        bytes += more_bytes;
+    }
+    // half of a message's costs are the other side's
+    double work_ms(const Costs& costs) const {
+        return 0.5 * (costs.message_ms.fixed * num + 1e-3 * costs.message_ms.slope * bytes);
+    }
+};
+
 // The hulls and meshes of some regions.
 struct HullSums {
     double hull_ms = 0.0;        // on one core
@@ -191,7 +206,7 @@ SitePlan make_plan(PlanInput input) {
         const auto on_link = [&](double bytes) { return 8e-3 * bytes / host.link_mbit_per_s; };
         // cameras after each other on each thread
         const auto rounds = std::ceil(static_cast<double>(own.num) / host.threads);
-        double num_messages = 0.0;  // written or taken
+        Messages messages;
         if (own.num > 0) {
             const double silhouettes = on(own.silhouette_ms);
             const double lasts = rounds * silhouettes / static_cast<double>(own.num);
@@ -199,7 +214,7 @@ SitePlan make_plan(PlanInput input) {
             const double textures = on(own.texture_ms);
             host.stages.push_back({"textures", textures, textures / host.threads});
             if (!is_one_process) {
-                num_messages += static_cast<double>(own.num);
+                messages.add(static_cast<double>(own.num), own.silhouette_bytes());
                 host.programs.push_back("camera_node --config FILE --host " + host.name);
             }
             slowest_node_ms = std::max(slowest_node_ms, lasts + (is_one_process ? 0.0 : kWay_ms));
@@ -220,8 +235,9 @@ SitePlan make_plan(PlanInput input) {
         }
         if (host.is_model) {
             if (!is_one_process) {
-                num_messages +=
-                    static_cast<double>(all.num) + 2.0 * static_cast<double>(num_region_hosts);
+                messages.add(static_cast<double>(all.num), all.silhouette_bytes());
+                messages.add(static_cast<double>(num_region_hosts), order_bytes);
+                messages.add(static_cast<double>(num_region_hosts), mesh_bytes - hulls.mesh_bytes);
                 host.in_mbit_per_s +=
                     mbit_per_s(all.silhouette_bytes() - own.silhouette_bytes(), input.rate_hz) +
                     mbit_per_s(mesh_bytes - hulls.mesh_bytes, input.rate_hz);
@@ -235,14 +251,14 @@ SitePlan make_plan(PlanInput input) {
             // the world server takes the mesh, too
             host.out_mbit_per_s += mbit_per_s(mesh_bytes, input.rate_hz) * (viewers + 1.0);
         } else if (!hulls.names.empty()) {
-            num_messages += 2.0;
+            messages.add(2.0, hulls.order_bytes + hulls.mesh_bytes);
             host.in_mbit_per_s += mbit_per_s(hulls.order_bytes, input.rate_hz);
             host.out_mbit_per_s += mbit_per_s(hulls.mesh_bytes, input.rate_hz);
             host.programs.push_back("site_node --config FILE --host " + host.name);
         }
-        if (num_messages > 0.0) {
-            const double messages = on(costs.message_ms * num_messages / 2.0);
-            host.stages.push_back({"messages", messages, messages / host.cores});
+        if (messages.num > 0.0) {
+            const double work = on(messages.work_ms(costs));
+            host.stages.push_back({"messages", work, work / host.cores});
         }
         slowest_hull_ms = std::max(
             slowest_hull_ms,

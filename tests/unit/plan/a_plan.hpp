@@ -22,7 +22,7 @@ inline Costs round_costs() {
     costs.triangles_per_segment = 4.0;
     costs.mesh_ms_per_ktriangle = 0.1;
     costs.mesh_bytes_per_triangle = 1.5;
-    costs.message_ms = 0.2;
+    costs.message_ms = {0.2, 0.0};
     return costs;
 }
 

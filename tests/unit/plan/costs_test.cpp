@@ -31,7 +31,7 @@ triangles_per_segment = 4
 ms_per_ktriangle = 0.5
 bytes_per_triangle = 1.5
 [message]
-ms = 0.25
+ms = [0.2, 0.05]
 )";
 
 class CostsFile : public ::testing::Test {
@@ -51,7 +51,7 @@ TEST_F(CostsFile, IsRead) {
     EXPECT_DOUBLE_EQ(costs->score, 120.5);
     EXPECT_DOUBLE_EQ(costs->silhouette_ms.of(2.0), 0.5);
     EXPECT_DOUBLE_EQ(costs->texture_bytes.of(1.0), 1100.0);
-    EXPECT_DOUBLE_EQ(costs->message_ms, 0.25);
+    EXPECT_DOUBLE_EQ(costs->message_ms.of(1.0), 0.25);
 }
 
 TEST_F(CostsFile, NamesWhatIsMissing) {

@@ -52,7 +52,8 @@ PlanInput input_with_regions(double rate_hz) {
 }
 
 TEST(Plan, RegionsDivideTheWorkOfTheHull) {
-    const SitePlan plan = make_plan(input_with_regions(10.0));
+    PlanInput input = input_with_regions(10.0);
+    const SitePlan plan = make_plan(input);
     ASSERT_EQ(plan.hosts.size(), 6u);
     const HostPlan& model = plan.hosts[4];
     const HostPlan& help = plan.hosts[5];
@@ -68,6 +69,12 @@ TEST(Plan, RegionsDivideTheWorkOfTheHull) {
     EXPECT_NEAR(help.in_mbit_per_s, 8e-6 * 10 * order_bytes, 1e-9);
     EXPECT_NEAR(help.out_mbit_per_s, 8e-6 * 10 * mesh_bytes, 1e-9);
     EXPECT_NEAR(model.out_mbit_per_s, 8e-6 * 10 * (order_bytes + 2 * 2 * mesh_bytes), 1e-9);
+    // kilobytes cost, too: half of it on each side
+    input.costs.message_ms.slope = 0.01;
+    const SitePlan dearer = make_plan(input);
+    EXPECT_NEAR(stage(dearer.hosts[5], "messages") - stage(help, "messages"),
+                0.5e-5 * (order_bytes + mesh_bytes),
+                1e-9);
     // the way there and back, at 1 Gbit/s
     const double ways_ms = 2 * 0.3 + 8e-6 * (order_bytes + mesh_bytes);
     EXPECT_NEAR(plan.latency_ms, 2 * 2.0 + 0.3 + ways_ms + 9.6 / 3 + 0.96, 1e-9);
