@@ -4,7 +4,6 @@ import argparse
 import atexit
 import json
 import os
-import re
 import signal
 import statistics
 import subprocess
@@ -15,57 +14,20 @@ import time
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 import machine  # noqa: E402
 import page_table  # noqa: E402
+from hosts_network import (  # noqa: E402
+    HOSTS,
+    NODES,
+    SITE,
+    Network,
+    enter_namespaces,
+    program,
+    render_room,
+    report_of,
+    write_one_process,
+)
 
 PAGE = os.path.join(machine.ROOT, "docs", "measurements", "site_hosts.md")
-SITE = os.path.join(machine.ROOT, "deploy", "sites", "hall.toml")
-NODES = ["north", "east", "south", "west"]
-HOSTS = [*NODES, "hull", "world", "viewer"]
 SETTLE_S = 6.0
-
-
-def run(*command):
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-
-
-class Network:
-    """One network namespace per host, around a bridge. Everything vanishes with this process, which has namespaces of its own."""
-
-    def __init__(self):
-        run("mount", "-t", "tmpfs", "none", "/run")
-        os.makedirs("/run/netns")
-        run("ip", "link", "set", "lo", "up")
-        run("ip", "link", "add", "hub", "type", "bridge", "mcast_snooping", "0")
-        run("ip", "link", "set", "hub", "up")
-        for number, host in enumerate(HOSTS, start=1):
-            run("ip", "netns", "add", host)
-            run("ip", "link", "add", f"to-{host}", "type", "veth", "peer", "name", "eth0", "netns", host)
-            run("ip", "link", "set", f"to-{host}", "master", "hub", "up")
-            inside = ["ip", "netns", "exec", host, "ip"]
-            run(*inside, "link", "set", "lo", "up")
-            run(*inside, "link", "set", "eth0", "up")
-            run(*inside, "addr", "add", f"10.79.0.{number}/24", "dev", "eth0")
-            run(*inside, "route", "add", "default", "dev", "eth0")
-
-    def bytes_of(self, host):
-        """(from the host, to the host) since the start."""
-        shown = subprocess.run(["ip", "-s", "-j", "link", "show", "dev", f"to-{host}"], check=True, capture_output=True, text=True)
-        counters = json.loads(shown.stdout)[0]["stats64"]
-        return [counters[way]["bytes"] for way in ("rx", "tx")]
-
-    def start(self, host, command, log):
-        return subprocess.Popen(["ip", "netns", "exec", host, *command, "--network", "lan", "--interface", "eth0"], stdout=log, stderr=log)
-
-
-def report_of(build, world):
-    """The newest report of the monitor, from the model part's host."""
-    command = ["ip", "netns", "exec", "hull", f"{build}/bin/monitor", "--json", "--once", "--wait", "5", "--bus.world", world]
-    done = subprocess.run([*command, "--network", "lan", "--interface", "eth0"], capture_output=True, text=True, check=False)
-    lines = done.stdout.strip().splitlines()
-    return json.loads(lines[-1]) if lines else None
-
-
-def program(report, kind):
-    return next((p for p in report["programs"] if p["kind"] == kind), None)
 
 
 def latency(of, stage):
@@ -99,9 +61,9 @@ def measure(network, options, folder, with_hosts):
         time.sleep(SETTLE_S)
         before_bytes = {host: network.bytes_of(host) for host in HOSTS}
         before, began = machine.CpuTimes.now(), time.monotonic()
-        first = report_of(options.build, world)
+        first = report_of(network, options.build, world)
         time.sleep(options.seconds)
-        last = report_of(options.build, world)
+        last = report_of(network, options.build, world)
         lasted = time.monotonic() - began
         used = machine.shares(before, machine.CpuTimes.now())
         after_bytes = {host: network.bytes_of(host) for host in HOSTS}
@@ -198,23 +160,18 @@ def main():
     if not options.inside:
         score = machine.score(options.build)
         os.environ["ATRIUM_SCORE"] = json.dumps(score)
-        os.execvp("unshare", ["unshare", "-Urnm", sys.executable, os.path.abspath(__file__), *sys.argv[1:], "--inside"])
+        enter_namespaces()
     score = json.loads(os.environ["ATRIUM_SCORE"])
     network = Network()
     runs = []
     with tempfile.TemporaryDirectory() as folder:
-        with open(SITE, encoding="utf-8") as file:
-            text = file.read()
-        text = text[: text.index("[[host]]")].replace('"../rigs/', f'"{machine.ROOT}/deploy/rigs/')
-        with open(os.path.join(folder, "one.toml"), "w", encoding="utf-8") as file:
-            file.write(re.sub(r"(?m)^min_cameras.*$", "", text).replace("[capture]", "[capture]\naligned = true"))
-        render = [f"{options.build}/bin/site_node", "--config", os.path.join(folder, "one.toml"), "--simulation.cache", options.cache]
-        subprocess.run([*render, "--site.seconds", "1"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        one = write_one_process(folder)
+        render_room(options.build, options.cache, one)
         for _ in range(options.runs):
             for with_hosts in (False, True):
                 runs.append(measure(network, options, folder, with_hosts))
                 print(text_of(runs[-1]), flush=True)
-        predictions = [predicted(options.build, site) for site in (os.path.join(folder, "one.toml"), SITE)]
+        predictions = [predicted(options.build, site) for site in (one, SITE)]
     short, is_changed = machine.commit()
     origin = (
         f"{machine.today():%Y-%m-%dT%H:%MZ}, commit {short}{' and changes' if is_changed else ''}, {machine.name()}, "
