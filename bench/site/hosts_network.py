@@ -11,7 +11,21 @@ import machine  # noqa: E402
 
 SITE = os.path.join(machine.ROOT, "deploy", "sites", "hall.toml")
 NODES = ["north", "east", "south", "west"]
-HOSTS = [*NODES, "hull", "world", "viewer"]
+HOSTS = [*NODES, "hull", "helper", "world", "viewer"]
+# Two people 1.2 m apart, each in a region of its own that all cameras watch; a host of its own computes the right one.
+REGIONS = """
+[[hull.region]]
+name = "left"
+bounds = { min = [-1.5, -1.5, 0.0], max = [0.0, 1.5, 2.4] }
+[[hull.region]]
+name = "right"
+bounds = { min = [0.0, -1.5, 0.0], max = [1.5, 1.5, 2.4] }
+"""
+HELPER = """
+[[host]]
+name = "helper"
+regions = ["right"]
+"""
 
 
 def run(*command):
@@ -23,15 +37,33 @@ def enter_namespaces():
     os.execvp("unshare", ["unshare", "-Urnm", sys.executable, os.path.abspath(sys.argv[0]), *sys.argv[1:], "--inside"])
 
 
+def site_text():
+    with open(SITE, encoding="utf-8") as file:
+        return file.read().replace('"../rigs/', f'"{machine.ROOT}/deploy/rigs/')
+
+
+def write(folder, name, text):
+    path = os.path.join(folder, name)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    return path
+
+
+def as_one_process(text):
+    """The text of the same site without hosts."""
+    text = re.sub(r"(?m)^min_cameras.*$", "", text.split("[[host]]")[0])
+    return text.replace("[capture]", "[capture]\naligned = true")
+
+
 def write_one_process(folder):
     """Writes the same site as one process; returns its file."""
-    path = os.path.join(folder, "one.toml")
-    with open(SITE, encoding="utf-8") as file:
-        text = file.read()
-    text = text[: text.index("[[host]]")].replace('"../rigs/', f'"{machine.ROOT}/deploy/rigs/')
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(re.sub(r"(?m)^min_cameras.*$", "", text).replace("[capture]", "[capture]\naligned = true"))
-    return path
+    return write(folder, "one.toml", as_one_process(site_text()))
+
+
+def write_regions(folder, rate_hz):
+    """Writes the site with two people and two regions, on several hosts and as one process; returns both files."""
+    text = re.sub(r"(?m)^rate_hz.*$", f"rate_hz = {rate_hz}", site_text()).replace("[simulation]", "[simulation]\npeople = 2")
+    return write(folder, "regions.toml", text + HELPER + REGIONS), write(folder, "one_regions.toml", as_one_process(text) + REGIONS)
 
 
 def render_room(build, cache, site):

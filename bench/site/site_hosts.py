@@ -24,10 +24,12 @@ from hosts_network import (  # noqa: E402
     render_room,
     report_of,
     write_one_process,
+    write_regions,
 )
 
 PAGE = os.path.join(machine.ROOT, "docs", "measurements", "site_hosts.md")
 SETTLE_S = 6.0
+REGIONS_HZ = 15  # two hulls of sixteen views; the cores are those of one machine
 
 
 def latency(of, stage):
@@ -38,10 +40,10 @@ def count(of, part, what):
     return of[part].get(what, {"total": 0})["total"]
 
 
-def measure(network, options, folder, with_hosts):
+def measure(network, options, folder, kind):
     """One run; a dictionary of its figures."""
     world = f"site-hosts-{os.getpid()}"
-    site = SITE if with_hosts else os.path.join(folder, "one.toml")
+    name_of_kind, site, with_hosts, hulls_on = kind
     common = ["--bus.world", world]
     programs = []
     with open(os.path.join(folder, "programs.log"), "a", encoding="utf-8") as log:
@@ -53,7 +55,8 @@ def measure(network, options, folder, with_hosts):
         if with_hosts:
             for node in NODES:
                 start(node, "camera_node", "--config", site, "--host", node, *cache)
-            start("hull", "site_node", "--config", site, "--host", "hull")
+            for host in hulls_on:
+                start(host, "site_node", "--config", site, "--host", host)
         else:
             start("hull", "site_node", "--config", site, *cache)
         start("world", "world_server", "--config", os.path.join(machine.ROOT, "deploy", "worlds", "demo.toml"))
@@ -76,7 +79,7 @@ def measure(network, options, folder, with_hosts):
     viewer = program(last, "viewer")
     nodes = [p for p in last["programs"] if p["kind"] == "camera_node"]
     figures = {
-        "hosts": with_hosts,
+        "kind": name_of_kind,
         "seconds": lasted,
         "busy": used["others"],
         "metaframes_per_s": (count(site_last, "work", "metaframes_published") - count(site_first, "work", "metaframes_published")) / between_s,
@@ -103,7 +106,7 @@ def measure(network, options, folder, with_hosts):
 def text_of(figures):
     latency_of = figures["capture_to_publish"]
     return (
-        f"{'several hosts' if figures['hosts'] else 'one process  '}: {figures['metaframes_per_s']:.1f} metaframes/s, "
+        f"{figures['kind']}: {figures['metaframes_per_s']:.1f} metaframes/s, "
         f"capture to publish {latency_of['median_ms']:.1f} ms (p99 {latency_of['p99_ms']:.1f}), hull {figures['hull_ms']:.1f} ms, "
         f"{figures['dropped']} dropped or missing, machine busy {figures['busy']:.0%}"
     )
@@ -119,10 +122,8 @@ def predicted(build, site):
     return json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout)["simulation"]
 
 
-def write_page(options, runs, predictions, origin):
-    one = [figures for figures in runs if not figures["hosts"]]
-    several = [figures for figures in runs if figures["hosts"]]
-    columns = ("one process", one), ("several hosts", several)
+def write_page(kinds, runs, predictions, origin):
+    columns = [(name, [figures for figures in runs if figures["kind"] == name]) for name, *_ in kinds]
     rows = [
         ("metaframes/s", lambda f: f["metaframes_per_s"], "{:.1f}"),
         ("capture to publish, median [ms]", lambda f: f["capture_to_publish"]["median_ms"], "{:.1f}"),
@@ -133,7 +134,7 @@ def write_page(options, runs, predictions, origin):
         ("dropped, or pictures missing", lambda f: f["dropped"], "{:.0f}"),
         ("machine busy", lambda f: f["busy"], "{:.0%}"),
     ]
-    lines = ["| | one process | several hosts |", "|---|---|---|"]
+    lines = ["| | " + " | ".join(name for name, _ in columns) + " |", "|---|" + "---|" * len(columns)]
     for name, get, form in rows:
         lines.append(f"| {name} | " + " | ".join(form.format(middle(part, get)) for _, part in columns) + " |")
     for name, key in ("predicted by `atrium plan`, median [ms]", "median_ms"), ("predicted, p99 [ms]", "p99_ms"):
@@ -166,12 +167,21 @@ def main():
     runs = []
     with tempfile.TemporaryDirectory() as folder:
         one = write_one_process(folder)
-        render_room(options.build, options.cache, one)
+        regions, one_regions = write_regions(folder, REGIONS_HZ)
+        for site in one, one_regions:
+            render_room(options.build, options.cache, site)
+        with_regions = f"two people in two regions, {REGIONS_HZ}/s: "
+        kinds = [
+            ("one process", one, False, ["hull"]),
+            ("several hosts", SITE, True, ["hull"]),
+            (with_regions + "one process", one_regions, False, ["hull"]),
+            (with_regions + "two hosts compute hulls", regions, True, ["helper", "hull"]),
+        ]
         for _ in range(options.runs):
-            for with_hosts in (False, True):
-                runs.append(measure(network, options, folder, with_hosts))
+            for kind in kinds:
+                runs.append(measure(network, options, folder, kind))
                 print(text_of(runs[-1]), flush=True)
-        predictions = [predicted(options.build, site) for site in (one, SITE)]
+        predictions = [predicted(options.build, site) for _, site, *_ in kinds]
     short, is_changed = machine.commit()
     origin = (
         f"{machine.today():%Y-%m-%dT%H:%MZ}, commit {short}{' and changes' if is_changed else ''}, {machine.name()}, "
@@ -179,7 +189,7 @@ def main():
     )
     with open(options.out, "w", encoding="utf-8") as file:
         json.dump({"origin": origin, "runs": runs, "predictions": predictions}, file, indent=1)
-    write_page(options, runs, predictions, origin)
+    write_page(kinds, runs, predictions, origin)
     print(f"kept in {options.out}")
 
 
