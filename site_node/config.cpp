@@ -141,6 +141,8 @@ std::string text_of(const std::vector<hosts::HostEntry>& hosts) {
                         host.name,
                         host.is_model ? " with the model" : "",
                         host.takes_any ? "auto" : fmt::format("{}", fmt::join(host.cameras, ", ")));
+        if (!host.regions.empty())
+            text += fmt::format(" regions [{}]", fmt::join(host.regions, ", "));
     }
     return text.empty() ? "none" : text;
 }
