@@ -4,6 +4,7 @@
 #include "tests/support/comes_true.hpp"
 #include "tests/support/network/hosted_process.hpp"
 #include "tests/support/network/impaired_network.hpp"
+#include "tests/support/network/network_host.hpp"
 #include "tests/support/skips.hpp"
 #include "tests/support/source_dir.hpp"
 #include "tests/unit/site_node/capsule_room.hpp"
@@ -422,6 +423,21 @@ protected:
     }
     std::unique_ptr<ImpairedNetwork> network_;
 };
+
+// Cyclone DDS wakes receive threads by packets to this host, unless qos/lan.xml forbids it.
+TEST_F(SiteOnANetwork, AProgramWhoseCardVanishedEnds) {
+    auto network = ImpairedNetwork::create(2, 7);
+    if (!network) GTEST_SKIP() << test::skip::kNoNetwork << network.error().message;
+    network_ = std::move(*network);
+    auto command = command_of("hull");
+    command.insert(command.end(), {"--network", "lan"});
+    programs_["hull"] = value(network_->start(0, command));
+    ASSERT_TRUE(hull_says("source opened", 0)) << hull().output();
+    auto flush =
+        value(network_->start(0, {"/bin/sh", "-c", "ip addr flush dev " + std::string(kLinkName)}));
+    ASSERT_EQ(flush->wait(kPatience), 0) << flush->output();
+    // TearDown ends the program
+}
 
 TEST_F(SiteOnANetwork, HostThatIsCutOffOrSlowIsNamedAndComesBack) {
     auto network = ImpairedNetwork::create(3, 7);
