@@ -1,3 +1,4 @@
+#include "core/base/raw_clock.hpp"
 #include "site_node/capture/aravis_camera.hpp"
 
 // Handling and counting of pictures, on the receiving thread.
@@ -21,10 +22,11 @@ void AravisCamera::note_sign_of_life() {
 }
 
 Timestamp AravisCamera::time_on_site_clock(std::uint64_t device_ns, Timestamp arrival) {
-    const Timestamp own = clock_.on_site_clock(device_ns, arrival);
+    const std::chrono::nanoseconds now_minus_raw = site_minus_raw();
+    const Timestamp own = clock_.on_site_clock(device_ns, arrival, now_minus_raw);
     if (!follows_ptp_) return own;
     const std::lock_guard lock(shared_state_.ptp_mutex);
-    return shared_state_.ptp_clock.on_site_clock(device_ns, arrival);
+    return shared_state_.ptp_clock.on_site_clock(device_ns, arrival, now_minus_raw);
 }
 
 void AravisCamera::on_incomplete(std::uint64_t device_ns, Timestamp arrival) {

@@ -5,21 +5,26 @@
 
 namespace atrium::capture {
 
-Timestamp CameraClock::on_site_clock(std::uint64_t device_ns, Timestamp arrival) {
+Timestamp CameraClock::on_site_clock(std::uint64_t device_ns,
+                                     Timestamp arrival,
+                                     std::chrono::nanoseconds site_minus_raw) {
     if (device_ns == 0) return arrival;
-    const std::int64_t sample_ns = arrival.ns - static_cast<std::int64_t>(device_ns);
-    const bool is_new = !started_ || std::abs(sample_ns - site_minus_device_ns_) > kMaxError_ns;
-    if (is_new) {
-        site_minus_device_ns_ = sample_ns;
-    } else {
+    const std::int64_t arrival_ns = arrival.ns - site_minus_raw.count();
+    const std::int64_t sample_ns = arrival_ns - static_cast<std::int64_t>(device_ns);
+    const auto step = std::chrono::abs(site_minus_raw - last_site_minus_raw_);
+    const bool was_set = started_ && step > kLeastStep;
+    last_site_minus_raw_ = site_minus_raw;
+    if (!started_ || std::abs(sample_ns - raw_minus_device_ns_) > kMaxError_ns) {
+        raw_minus_device_ns_ = sample_ns;
+    } else if (!was_set) {
         const auto elapsed_ns =
-            static_cast<double>(std::max<std::int64_t>((arrival - last_arrival_).count(), 0));
+            static_cast<double>(std::max<std::int64_t>(arrival_ns - last_arrival_ns_, 0));
         const auto drift_ns = static_cast<std::int64_t>(kMaxDrift * elapsed_ns);
-        site_minus_device_ns_ = std::min(site_minus_device_ns_ + drift_ns, sample_ns);
+        raw_minus_device_ns_ = std::min(raw_minus_device_ns_ + drift_ns, sample_ns);
     }
     started_ = true;
-    last_arrival_ = arrival;
-    return {static_cast<std::int64_t>(device_ns) + site_minus_device_ns_};
+    if (!was_set) last_arrival_ns_ = arrival_ns;
+    return Timestamp{static_cast<std::int64_t>(device_ns) + raw_minus_device_ns_} + site_minus_raw;
 }
 
 bool BackwardsGuard::accept(std::uint64_t time_ns) {

@@ -14,22 +14,29 @@ namespace atrium::capture {
 /// arrival and camera time is therefore the best estimate of the clock offset. The estimate may
 /// grow by kMaxDrift, for clocks that drift apart; a picture that arrives late on a busy machine
 /// keeps its true time distance to its neighbours. The constant latency of the camera stays in the
-/// result. Not thread-safe.
+/// result. All this happens on a clock that nobody sets or slews; the result is on the site's clock
+/// as it is now. Not thread-safe.
 class CameraClock {
 public:
     /// Largest drift between two quartz clocks.
     static constexpr double kMaxDrift = 200e-6;
     /// A larger error means a clock that was reset, or that does not count nanoseconds.
     static constexpr std::int64_t kMaxError_ns = 1'000'000'000;
+    /// A larger change of the site's clock between two pictures means that it was set. It may have
+    /// been set between a picture's arrival and this call, so that picture teaches nothing.
+    static constexpr std::chrono::microseconds kLeastStep{500};
 
     /// `device_ns` is the camera time of a picture (0: none). `arrival` is the arrival of its first
-    /// packet.
-    Timestamp on_site_clock(std::uint64_t device_ns, Timestamp arrival);
+    /// packet on the site clock, which is `site_minus_raw` ahead of `raw_now` now.
+    Timestamp on_site_clock(std::uint64_t device_ns,
+                            Timestamp arrival,
+                            std::chrono::nanoseconds site_minus_raw);
 
 private:
     bool started_ = false;
-    std::int64_t site_minus_device_ns_ = 0;
-    Timestamp last_arrival_;
+    std::int64_t raw_minus_device_ns_ = 0;
+    std::int64_t last_arrival_ns_ = 0;  // on the raw clock
+    std::chrono::nanoseconds last_site_minus_raw_{0};
 };
 
 /// Rejects pictures older than the previous one, from buffers delivered out of order.

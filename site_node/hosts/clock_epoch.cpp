@@ -1,9 +1,13 @@
 #include "site_node/hosts/clock_epoch.hpp"
 
+#include <algorithm>
 #include <random>
+#include <utility>
 
 namespace atrium::hosts {
 namespace {
+
+using std::chrono::nanoseconds;
 
 std::uint64_t random_number() {
     std::random_device device;
@@ -13,31 +17,24 @@ std::uint64_t random_number() {
 }  // namespace
 
 ClockEpoch::ClockEpoch(Clocks clocks)
-    : clocks_(std::move(clocks)), last_difference_(difference()), number_(random_number()) {}
-
-// The shortest of three looks: a thread may lose its core between the two clocks.
-std::chrono::nanoseconds ClockEpoch::difference() const {
-    std::chrono::nanoseconds best_gap = std::chrono::nanoseconds::max();
-    std::chrono::nanoseconds best{};
-    for (int look = 0; look < 3; ++look) {
-        const auto before = clocks_.steady();
-        const Timestamp now = clocks_.settable();
-        const auto after = clocks_.steady();
-        if (after - before >= best_gap) continue;
-        best_gap = after - before;
-        best = std::chrono::nanoseconds(now.ns) - (before + best_gap / 2);
-    }
-    return best;
-}
+    : clocks_(std::move(clocks)),
+      followed_(difference_of_clocks(clocks_.settable, clocks_.steady)),
+      last_look_(clocks_.steady()),
+      number_(random_number()) {}
 
 std::uint64_t ClockEpoch::current() {
     const std::lock_guard lock(mutex_);
-    const std::chrono::nanoseconds now = difference();
-    const std::chrono::nanoseconds step = now - last_difference_;
-    last_difference_ = now;
-    if (std::chrono::abs(step) >= kLeastStep) {
-        last_step_ = step;
+    const nanoseconds difference = difference_of_clocks(clocks_.settable, clocks_.steady);
+    const nanoseconds look = clocks_.steady();
+    const nanoseconds allowed(static_cast<std::int64_t>(
+        kMostRate * static_cast<double>((look - std::exchange(last_look_, look)).count())));
+    const nanoseconds moved = difference - followed_;
+    if (std::chrono::abs(moved) >= kLeastStep + allowed) {
+        last_step_ = moved;
+        followed_ = difference;
         number_ = random_number();
+    } else {
+        followed_ += std::clamp(moved, -allowed, allowed);
     }
     return number_;
 }

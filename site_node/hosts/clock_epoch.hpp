@@ -1,6 +1,8 @@
 #pragma once
 
+#include "core/base/raw_clock.hpp"
 #include "core/base/timestamp.hpp"
+#include "site_node/hosts/host_clock.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -14,17 +16,16 @@ namespace atrium::hosts {
 /// Thread-safe.
 class ClockEpoch {
 public:
-    /// The settable clock and one that nobody sets; tests have their own.
+    /// The settable clock and one that nobody sets or slews; tests have their own.
     struct Clocks {
         std::function<Timestamp()> settable = [] { return Timestamp::now(); };
-        std::function<std::chrono::nanoseconds()> steady = [] {
-            return std::chrono::duration_cast<std::chrono::nanoseconds>(
-                std::chrono::steady_clock::now().time_since_epoch());
-        };
+        std::function<std::chrono::nanoseconds()> steady = raw_now;
     };
 
-    /// A clock that runs faster or slower, as NTP makes it (at most 0.05 %), is not set. Calls of
-    /// `current` must be less than a second apart to tell both apart.
+    /// A clock whose daemon makes it at most this much faster or slower is not set: NTP changes the
+    /// rate by up to 0.05 %, and quartzes differ by some 0.01 %. A daemon that slews it faster
+    /// begins an epoch whenever the clock is kLeastStep away from what this rate allows.
+    static constexpr double kMostRate = HostClock::kMostDrift;
     static constexpr std::chrono::microseconds kLeastStep{800};
 
     ClockEpoch() : ClockEpoch(Clocks()) {}
@@ -37,11 +38,10 @@ public:
     std::chrono::nanoseconds last_step() const;
 
 private:
-    std::chrono::nanoseconds difference() const;
-
     Clocks clocks_;
     mutable std::mutex mutex_;
-    std::chrono::nanoseconds last_difference_;
+    std::chrono::nanoseconds followed_;   // difference of both clocks, with kMostRate at most
+    std::chrono::nanoseconds last_look_;  // on the steady clock
     std::chrono::nanoseconds last_step_{0};
     std::uint64_t number_;
 };

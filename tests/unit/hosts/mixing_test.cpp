@@ -1,4 +1,5 @@
 #include "site_node/capture/metaframe_assembler.hpp"
+#include "site_node/hosts/clock_epoch.hpp"
 #include "site_node/hosts/host_table.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,8 @@ constexpr std::size_t kCamerasPerHost = 2;
 // A host and its faults.
 struct SimulatedHost {
     std::int64_t clock_offset_ns = 0;
-    std::uint64_t epoch = 0;
+    double clock_rate = 0.0;  // a daemon slews it
+    std::unique_ptr<ClockEpoch> epoch;
     double loss = 0.0;
     double slow_ns = 0.0;
     bool is_there = true;
@@ -44,7 +46,19 @@ protected:
                                 static_cast<double>(period_.count()) * (chance(0.5) ? 1.0 : -1.0),
                                 -static_cast<double>(host.clock_offset_ns)};
         host.clock_offset_ns += static_cast<std::int64_t>(steps[random_() % 4]);
-        host.epoch = random_();
+    }
+
+    // As NTP does, or as fast as chrony may.
+    void slew_clock(SimulatedHost& host) {
+        const double rates[] = {0.0, uniform(-9e-4, 9e-4), uniform(-0.08, 0.08)};
+        host.clock_rate = rates[random_() % 3];
+    }
+
+    // Of another process.
+    void begin_epoch(SimulatedHost& host) {
+        host.epoch = std::make_unique<ClockEpoch>(
+            ClockEpoch::Clocks{[this, &host] { return Timestamp{now_ns_ + host.clock_offset_ns}; },
+                               [this] { return nanoseconds(now_ns_ - kStart_ns); }});
     }
 
     void schedule(std::int64_t due_ns, std::function<void()> what) {
@@ -58,6 +72,7 @@ protected:
     static inline std::size_t total_metaframes_ = 0;  // of all seeds
     static inline std::size_t total_complete_ = 0;
 
+    std::int64_t now_ns_ = kStart_ns;
     std::mt19937_64 random_{static_cast<unsigned>(GetParam())};
     nanoseconds period_{GetParam() % 2 == 0 ? 33'333'333 : 16'666'667};
     std::multimap<std::int64_t, std::function<void()>> events_;
@@ -75,7 +90,7 @@ TEST_P(Mixing, NoMetaframeHasTwoInstants) {
             entry.cameras.push_back(cameras.back());
         }
         entries.push_back(entry);
-        hosts[h].epoch = random_();
+        begin_epoch(hosts[h]);
         hosts[h].loss = chance(0.5) ? uniform(0.0, 0.3) : 0.0;
         hosts[h].slow_ns = chance(0.3) ? uniform(0.0, 1.5e8) : 0.0;
         if (chance(0.7)) set_clock(hosts[h]);
@@ -83,9 +98,8 @@ TEST_P(Mixing, NoMetaframeHasTwoInstants) {
     HostTable table(cameras, entries, {period_, milliseconds(100)});
     capture::MetaframeAssembler assembler(cameras.size(), {period_ / 4, milliseconds(100), 2});
 
-    std::int64_t now_ns = kStart_ns;
     const auto steady = [&] {
-        return HostTable::Time(std::chrono::hours(1) + nanoseconds(now_ns - kStart_ns));
+        return HostTable::Time(std::chrono::hours(1) + nanoseconds(now_ns_ - kStart_ns));
     };
     std::size_t num_metaframes = 0;
     std::size_t num_complete = 0;
@@ -111,9 +125,12 @@ TEST_P(Mixing, NoMetaframeHasTwoInstants) {
             schedule(due_ns, [&, h, instant, due_ns] {
                 SimulatedHost& host = hosts[h];
                 if (chance(0.004)) set_clock(host);
+                if (chance(0.02)) slew_clock(host);
+                host.clock_offset_ns += static_cast<std::int64_t>(
+                    host.clock_rate * static_cast<double>(period_.count()));
                 if (chance(0.004)) {
                     host.is_there = !host.is_there;
-                    host.epoch = random_();  // another process
+                    begin_epoch(host);
                 }
                 if (!host.is_there) return;
                 for (std::size_t c = 0; c < kCamerasPerHost; ++c) {
@@ -124,12 +141,12 @@ TEST_P(Mixing, NoMetaframeHasTwoInstants) {
                     // the shutters differ by up to a millisecond
                     silhouette.capture_time = {due_ns + host.clock_offset_ns +
                                                static_cast<std::int64_t>(uniform(0.0, 1e6))};
-                    silhouette.clock_epoch = host.epoch;
+                    silhouette.clock_epoch = host.epoch->current();
                     silhouette.has_picture = !chance(0.02);
                     silhouette.frame_id = static_cast<std::uint64_t>(instant);
                     schedule(due_ns + 3'000'000 + delay(host).count(), [&, silhouette] {
                         std::vector<capture::CameraFrame> frames;
-                        table.add(silhouette, {now_ns}, steady(), frames);
+                        table.add(silhouette, {now_ns_}, steady(), frames);
                         for (auto& frame : frames)
                             look_at(assembler.add(std::move(frame), steady()));
                     });
@@ -145,22 +162,22 @@ TEST_P(Mixing, NoMetaframeHasTwoInstants) {
             schedule(due_ns + 2, [&, h, due_ns] {
                 bus::ClockAnswer answer;
                 answer.host = entries[h].name;
-                answer.asked = {now_ns};
-                const std::int64_t at_ns = now_ns + delay(hosts[h]).count();
+                answer.asked = {now_ns_};
+                const std::int64_t at_ns = now_ns_ + delay(hosts[h]).count();
                 schedule(at_ns, [&, h, answer]() mutable {
                     SimulatedHost& host = hosts[h];
                     if (!host.is_there) return;
-                    answer.received = answer.answered = {now_ns + host.clock_offset_ns};
-                    answer.clock_epoch = host.epoch;
-                    schedule(now_ns + delay(host).count(),
-                             [&, answer] { table.add(answer, {now_ns}, steady()); });
+                    answer.received = answer.answered = {now_ns_ + host.clock_offset_ns};
+                    answer.clock_epoch = host.epoch->current();
+                    schedule(now_ns_ + delay(host).count(),
+                             [&, answer] { table.add(answer, {now_ns_}, steady()); });
                 });
             });
         }
     }
     while (!events_.empty()) {
         const auto event = events_.extract(events_.begin());
-        now_ns = std::max(now_ns, event.key());
+        now_ns_ = std::max(now_ns_, event.key());
         event.mapped()();
         if (HasFatalFailure()) return;
     }
@@ -184,7 +201,7 @@ TEST(Hosts, GoodHostsGiveCompleteMetaframes) {
             const std::int64_t off_ns = entry.is_model ? -7'000'000 : 7'000'000;
             bus::ClockAnswer answer;
             answer.host = entry.name;
-            answer.asked = {now_ns};
+            answer.asked = {now_ns_};
             answer.received = answer.answered = {now_ns + 100'000 + off_ns};
             table.add(answer, {now_ns + 200'000}, steady);
             bus::CameraSilhouette silhouette;
