@@ -263,7 +263,7 @@ std::string broken_promise(const bus::StreamFeedback& message) {
 }
 
 std::string broken_promise(const bus::Presence& message) {
-    return unless(message.kind <= bus::ProgramKind::kCameraNode, "a kind of program");
+    return unless(message.kind <= bus::ProgramKind::kRegionNode, "a kind of program");
 }
 
 }  // namespace atrium::test
