@@ -62,8 +62,9 @@ TEST_F(ClockEpochTest, AClockThatIsSlewedFastIsSetAgainAndAgain) {
                 moved_ms += (std::abs(rate - 1.0) - ClockEpoch::kMostRate) * between_ms;
                 const bool is_new = sut.current() != number;
                 number = sut.current();
-                if (std::abs(moved_ms - 0.8) > 0.005)  // not where rounding decides
+                if (std::abs(moved_ms - 0.8) > 0.005) {  // not where rounding decides
                     ASSERT_EQ(is_new, moved_ms > 0.8) << between_ms << " " << rate << " " << i;
+                }
                 if (is_new) moved_ms = 0.0;
                 num_epochs += is_new ? 1 : 0;
             }

@@ -201,7 +201,7 @@ TEST(Hosts, GoodHostsGiveCompleteMetaframes) {
             const std::int64_t off_ns = entry.is_model ? -7'000'000 : 7'000'000;
             bus::ClockAnswer answer;
             answer.host = entry.name;
-            answer.asked = {now_ns_};
+            answer.asked = {now_ns};
             answer.received = answer.answered = {now_ns + 100'000 + off_ns};
             table.add(answer, {now_ns + 200'000}, steady);
             bus::CameraSilhouette silhouette;
