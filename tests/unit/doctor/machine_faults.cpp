@@ -173,6 +173,22 @@ std::vector<Fault> load_faults() {
              host.add_process(802, "site_node");
          },
          "site_node runs 2 times on this host (processes 801, 802)",
+         "kill 801"},
+        {"TwoCameraNodes",
+         "program_runs_twice",
+         [](FakeHost& host, Options&) {
+             host.add_process(801, "camera_node");
+             host.add_process(802, "atrium-camera");
+         },
+         "camera_node runs 2 times on this host (processes 801, 802)",
+         "kill 801"},
+        {"TwoSimulatedCameras",
+         "program_runs_twice",
+         [](FakeHost& host, Options&) {
+             host.add_process(801, "simulated_camer");
+             host.add_process(802, "atrium-cameras");
+         },
+         "simulated_cameras runs 2 times",
          "kill 801"}};
 }
 

@@ -5,13 +5,27 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <string_view>
+#include <utility>
 
 namespace atrium::doctor {
 namespace {
 
-// Names of processes have at most 15 characters.
-constexpr std::array kAtriumProcesses{
-    "site_node", "world_server", "viewer", "demo", "simulated_camer"};
+// The programs that run for long, by the names of their processes, of at most 15 characters;
+// `atrium NAME` starts them as atrium-NAME.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kAtriumProcesses{
+    {{"site_node", "site_node"},
+     {"atrium-site", "site_node"},
+     {"camera_node", "camera_node"},
+     {"atrium-camera", "camera_node"},
+     {"world_server", "world_server"},
+     {"atrium-world", "world_server"},
+     {"viewer", "viewer"},
+     {"atrium-viewer", "viewer"},
+     {"demo", "demo"},
+     {"atrium-demo", "demo"},
+     {"simulated_camer", "simulated_cameras"},
+     {"atrium-cameras", "simulated_cameras"}}};
 constexpr std::array kTimeDaemons{"chronyd", "ntpd", "systemd-timesyn", "phc2sys"};
 
 struct Process {
@@ -180,8 +194,10 @@ LoadFacts collect_load(const System& system) {
     load.cores = count_list(system.read("/sys/devices/system/cpu/online").value_or(""));
     std::vector<Process> atrium;
     for (Process& process : processes_of(system)) {
-        if (!is_one_of(kAtriumProcesses, process.name)) continue;
-        load.atrium_programs.push_back(process.name + " " + process.id);
+        const auto* const known = std::ranges::find(
+            kAtriumProcesses, process.name, [](const auto& one) { return one.first; });
+        if (known == kAtriumProcesses.end()) continue;
+        load.atrium_programs.push_back(std::string(known->second) + " " + process.id);
         atrium.push_back(std::move(process));
     }
     read_frequency(system, load);
