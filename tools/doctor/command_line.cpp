@@ -26,6 +26,7 @@ constexpr const char* kDetails =
     "Examples:\n"
     "  atrium doctor\n"
     "  atrium doctor deploy/sites/cameras.toml --recordings /data\n"
+    "  atrium doctor deploy/sites/hall.toml --host north\n"
     "  atrium doctor --for viewer --network wifi --json";
 
 constexpr int kExitUsage = 2;
@@ -54,8 +55,13 @@ Start parse_command_line(int argc, char** argv, Options& options) {
     app.set_version_flag("--version", "doctor " + app::version() + " (Atrium)");
     app.add_option("file,--config",
                    options.file,
-                   "TOML file of a site, world or viewer: also checks what it asks")
+                   "TOML file of a site, world or viewer: also checks what it asks of this host")
         ->type_name("FILE");
+    app.add_option("--host",
+                   options.host,
+                   "of a site on several hosts, [[host]] of FILE: the name of this one; else that "
+                   "of the system")
+        ->type_name("NAME");
     std::vector<std::string> roles;
     app.add_option("--for",
                    roles,
@@ -103,6 +109,8 @@ Start parse_command_line(int argc, char** argv, Options& options) {
     } catch (const CLI::ParseError& error) {
         return end_with_usage(error.what());
     }
+    if (!options.host.empty() && options.file.empty())
+        return end_with_usage("--host needs the FILE that has its [[host]]");
     if (!roles.empty()) options.roles = roles_named(roles);
     if (options.programs.empty() && options.root.empty()) options.programs = app::program_folder();
     return {true, 0};

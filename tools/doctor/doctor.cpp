@@ -33,11 +33,12 @@ Expected<Report> examine(const Options& options, const System& system, const Tex
                     .keys = options.keys,
                     .wishes = {}};
     if (!options.file.empty()) {
-        auto wishes = read_wishes(options.file);
+        const std::string host = options.host.empty() ? host_name(system) : options.host;
+        auto wishes = read_wishes(options.file, host);
         if (!wishes) return tl::unexpected(wishes.error());
         request.wishes = std::move(*wishes);
         if (!request.roles) {
-            const auto roles = roles_of_file(options.file);
+            const auto roles = roles_of_file(options.file, host);
             if (!roles) return tl::unexpected(roles.error());
             request.roles = *roles;
         }

@@ -15,6 +15,7 @@ namespace atrium::doctor {
 struct Options {
     std::filesystem::path file = {};  // of a site, world or viewer; empty: none
     std::optional<Roles> roles = {};  // nullopt: those of the file, else what fits
+    std::string host = {};            // of a site on several hosts; empty: the system's
     std::string network = {};         // empty: the file's, else lan
     std::string interface = {};       // empty: the file's
     std::filesystem::path recordings = {};

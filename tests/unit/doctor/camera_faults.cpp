@@ -3,10 +3,6 @@
 namespace atrium::doctor {
 namespace {
 
-void set_cameras(FakeHost& host, const std::vector<std::pair<std::string, std::string>>& cameras) {
-    host.outputs["site_node --list-cameras"] = {0, camera_table_of(cameras)};
-}
-
 std::vector<Fault> presence_faults() {
     return {{"NoCamera",
              "no_camera",
@@ -18,7 +14,7 @@ std::vector<Fault> presence_faults() {
             {"CameraMissing",
              "camera_missing",
              [](FakeHost& host, Options& options) {
-                 set_cameras(host, {{"192.168.1.11", "101"}});
+                 host.set_cameras({{"192.168.1.11", "101"}});
                  options.file = host.write_site();
              },
              "Camera 'cam2' (serial 102) does not answer; 1 others do",
@@ -35,7 +31,7 @@ std::vector<Fault> presence_faults() {
                  host.write("/sys/class/net/eth2/flags", "0x1003");
                  host.write("/sys/class/net/eth2/mtu", "1500");
                  host.addresses.push_back({"eth2", 0xC0A80201, 24});
-                 set_cameras(host, {{"192.168.1.11", "101"}, {"192.168.2.11", "102"}});
+                 host.set_cameras({{"192.168.1.11", "101"}, {"192.168.2.11", "102"}});
              },
              "The MTU of eth2 is 1500, that of eth1 is 9000",
              "sudo ip link set dev eth2 mtu 9000",
@@ -49,7 +45,7 @@ std::vector<Fault> presence_faults() {
              "reverse_path_strict",
              [](FakeHost& host, Options&) {
                  host.write("/proc/sys/net/ipv4/conf/all/rp_filter", "1");
-                 set_cameras(host, {{"169.254.7.7", "101"}});
+                 host.set_cameras({{"169.254.7.7", "101"}});
              },
              "rp_filter of eth1 is 1 (strict)",
              "sudo sysctl -w net/ipv4/conf/eth1/rp_filter=2",
@@ -60,8 +56,24 @@ std::vector<Fault> rights_faults() {
     return {{"NoPacketSocket",
              "no_packet_socket",
              [](FakeHost& host, Options&) { host.capabilities = 0; },
-             "no cap_net_raw",
+             "site_node and camera_node may not open packet sockets (no cap_net_raw)",
+             "bin/site_node cap_net_raw,cap_sys_nice+ep "},
+            {"NoPacketSocketOfASite",
+             "no_packet_socket",
+             [](FakeHost& host, Options& options) {
+                 options.file = host.write_site();
+                 host.capabilities_of["site_node"] = 0;
+             },
+             "site_node may not open packet sockets",
              "sudo setcap cap_net_raw,cap_sys_nice+ep "},
+            {"NoPacketSocketOfAHost",
+             "no_packet_socket",
+             [](FakeHost& host, Options& options) {
+                 options.file = host.write_hosts();
+                 host.capabilities = 0;
+             },
+             "camera_node may not open packet sockets",
+             "bin/camera_node"},
             {"NoRealtime",
              "no_realtime",
              [](FakeHost& host, Options&) {

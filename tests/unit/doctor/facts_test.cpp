@@ -68,7 +68,7 @@ std::vector<std::string> files_of(const FakeHost& host) {
 
 TEST(DoctorProperty, SurvivesEveryHostileFile) {
     FakeHost host(facts_folder("hostile_files"));
-    const Options options{.file = host.write_site(), .recordings = host.folder()};
+    const Options options{.file = host.write_hosts(), .recordings = host.folder()};
     const std::vector<std::string> files = files_of(host);
     ASSERT_GT(files.size(), 50u);
     const std::vector<std::string>& texts = hostile_texts();
@@ -106,7 +106,7 @@ TEST(DoctorProperty, SurvivesRandomBytesInAllFiles) {
     std::mt19937 random(20261128);
     for (int round = 0; round < 15; ++round) {
         FakeHost host(facts_folder("random"));
-        const Options options{.file = host.write_site()};
+        const Options options{.file = round % 2 == 0 ? host.write_site() : host.write_hosts()};
         for (const std::string& file : files_of(host)) {
             std::string text = host.read(file).value_or("");
             for (int i = 0; i < 4; ++i) {
@@ -221,13 +221,19 @@ TEST(Files, OfTheDeliveryAreRead) {
 TEST(Roles, FollowTheFile) {
     const FakeHost host(facts_folder("roles"));
     const auto roles = [&](const std::string& text) {
-        return names_of(*roles_of_file(host.write_beside("f.toml", text)));
+        return names_of(*roles_of_file(host.write_beside("f.toml", text), "left"));
     };
     using Names = std::vector<std::string>;
     EXPECT_EQ(roles("[capture]\nsource = \"cameras\"\n"), (Names{"site", "camera"}));
     EXPECT_EQ(roles("[site]\nname = \"a\"\n"), Names{"site"});
     EXPECT_EQ(roles("[view]\nwidth = 640\n"), Names{"viewer"});
     EXPECT_EQ(roles("[[object]]\nname = \"b\"\n"), Names{"world"});
+    const std::string hosts =
+        "[capture]\nsource = \"cameras\"\n[[host]]\nname = \"hull\"\nmodel = true\n"
+        "[[host]]\nname = \"left\"\n";
+    EXPECT_EQ(roles(hosts + "cameras = [\"cam1\"]\n"), (Names{"site", "camera"}));
+    EXPECT_EQ(roles(hosts + "cameras = \"auto\"\n"), (Names{"site", "camera"}));
+    EXPECT_EQ(roles(hosts + "regions = [\"stairs\"]\n"), Names{"site"});
 }
 
 }  // namespace

@@ -47,6 +47,7 @@ void write_network(const FakeHost& host) {
 }
 
 void write_machine(const FakeHost& host) {
+    host.write("/proc/sys/kernel/hostname", "left\n");
     host.write("/proc/stat", processor_ticks(1000, 9000));
     host.write("/proc/meminfo",
                "MemTotal:       32000000 kB\nMemFree: 20000000 kB\nMemAvailable:   28000000 kB\n"
@@ -101,14 +102,14 @@ FakeHost::FakeHost(const fs::path& folder)
     write_machine(*this);
     add_process(700, "chronyd", "/usr/sbin/chronyd");
     add_process(701, "bash");
-    for (const char* name : {"site_node", "world_server", "viewer", "monitor", "graphics_probe"}) {
+    for (const char* name :
+         {"site_node", "camera_node", "world_server", "viewer", "monitor", "graphics_probe"}) {
         std::ofstream(programs() / name) << "";
         fs::permissions(programs() / name, fs::perms::owner_all);
         outputs[std::string(name) + " --version"] = {0, std::string(name) + " 0.1.0 (Atrium)\n"};
     }
     outputs["graphics_probe"] = {0, "hardware\n"};
-    outputs["site_node --list-cameras"] = {
-        0, camera_table_of({{"192.168.1.11", "101"}, {"192.168.1.12", "102"}})};
+    set_cameras({{"192.168.1.11", "101"}, {"192.168.1.12", "102"}});
     outputs["nft -j list ruleset"] = {0, "{\"nftables\": [{\"metainfo\": {}}]}\n"};
     outputs["iptables-save"] = {127, ""};
     addresses = {{"lo", 0x7F000001, 8}, {"eth0", 0x0A000002, 24}, {"eth1", 0xC0A80101, 24}};
@@ -161,6 +162,25 @@ fs::path FakeHost::write_site(double rate_hz, const std::string& bus) const {
     }
     write_beside("rig.toml", rig);
     return write_beside("site.toml", site);
+}
+
+fs::path FakeHost::write_hosts(double rate_hz) const {
+    std::ofstream(write_site(rate_hz), std::ios::app)
+        << "[[host]]\nname = \"left\"\ncameras = [\"cam1\"]\n"
+           "[[host]]\nname = \"right\"\ncameras = \"auto\"\n"
+           "[[host]]\nname = \"hull\"\nmodel = true\n"
+           "[[host]]\nname = \"stairs\"\nregions = [\"stairs\"]\n";
+    return folder_ / "site.toml";
+}
+
+void FakeHost::set_cameras(const std::vector<std::pair<std::string, std::string>>& cameras) {
+    for (const char* program : {"site_node", "camera_node"})
+        outputs[std::string(program) + " --list-cameras"] = {0, camera_table_of(cameras)};
+}
+
+std::optional<std::uint64_t> FakeHost::file_capabilities(const fs::path& file) const {
+    const auto own = capabilities_of.find(file.filename());
+    return own == capabilities_of.end() ? capabilities : own->second;
 }
 
 Expected<Report> FakeHost::examine_json(Options options) const {

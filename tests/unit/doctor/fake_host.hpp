@@ -17,7 +17,7 @@ namespace atrium::doctor {
 /// A host in a temporary folder: files as in /proc, /sys, /dev and /etc, and answers of what only a
 /// running system knows. It is healthy until a test spoils it. Its user is not root.
 ///
-/// eth0 leads to other hosts, eth1 has two GigE Vision cameras.
+/// eth0 leads to other hosts, eth1 has two GigE Vision cameras. Its name is "left".
 class FakeHost : public System {
 public:
     explicit FakeHost(const std::filesystem::path& folder);
@@ -32,6 +32,12 @@ public:
     /// A site file for two cameras of 1 MP at eth1, with its rig.
     std::filesystem::path write_site(double rate_hz = 30.0, const std::string& bus = "lan") const;
 
+    /// The same for a site on several hosts: left with cam1, right with those that no other has,
+    /// hull with the model part, stairs with a region.
+    std::filesystem::path write_hosts(double rate_hz = 30.0) const;
+    /// The cameras that answer, with addresses and serials.
+    void set_cameras(const std::vector<std::pair<std::string, std::string>>& cameras);
+
     std::filesystem::path programs() const { return folder_ / "bin"; }
     std::filesystem::path folder() const { return folder_; }
     /// Examines this host as `atrium doctor --json` with its programs.
@@ -42,7 +48,8 @@ public:
     std::vector<CardAddress> addresses;
     System::Clock kernel_clock{true, 0.4};
     User who;
-    std::uint64_t capabilities = ~std::uint64_t{0};
+    std::uint64_t capabilities = ~std::uint64_t{0};  // of all programs but these
+    std::map<std::string, std::uint64_t> capabilities_of;
     bool is_multicast_heard = true;
     Expected<double> disk_mb_per_s = 900.0;
     std::uint64_t disk_free = std::uint64_t{500} << 30U;
@@ -54,9 +61,7 @@ public:
     std::optional<System::Clock> clock() const override { return kernel_clock; }
     User user() const override { return who; }
     std::optional<std::uint64_t> file_capabilities(
-        const std::filesystem::path& /*file*/) const override {
-        return capabilities;
-    }
+        const std::filesystem::path& file) const override;
     std::optional<bool> hears_multicast(std::uint32_t /*card_address*/) const override {
         return is_multicast_heard;
     }

@@ -26,6 +26,7 @@ std::vector<Fault> network_faults();
 std::vector<Fault> camera_faults();
 std::vector<Fault> machine_faults();
 std::vector<Fault> file_faults();
+std::vector<Fault> host_faults();
 std::vector<Fault> all_faults();
 
 }  // namespace atrium::doctor

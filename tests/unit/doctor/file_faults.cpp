@@ -154,7 +154,7 @@ std::vector<Fault> program_faults() {
              [](FakeHost& host, Options&) {
                  host.outputs["viewer --version"] = {0, "viewer 0.2.0 (Atrium)\n"};
              },
-             "0.1.0 (site_node, world_server, monitor) and 0.2.0 (viewer)",
+             "0.1.0 (site_node, camera_node, world_server, monitor) and 0.2.0 (viewer)",
              "deploy/build.sh build"},
             {"RigMissing",
              "rig_unusable",

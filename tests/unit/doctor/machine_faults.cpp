@@ -204,7 +204,7 @@ std::vector<Fault> machine_faults() {
 std::vector<Fault> all_faults() {
     std::vector<Fault> faults;
     for (std::vector<Fault> more :
-         {network_faults(), camera_faults(), machine_faults(), file_faults()})
+         {network_faults(), camera_faults(), machine_faults(), file_faults(), host_faults()})
         std::move(more.begin(), more.end(), std::back_inserter(faults));
     return faults;
 }

@@ -2,6 +2,7 @@
 #include "tests/support/network/own_network.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/skips.hpp"
+#include "tests/support/source_dir.hpp"
 #include "tests/unit/doctor/fake_host.hpp"
 
 #include <gmock/gmock.h>
@@ -191,6 +192,38 @@ TEST_F(RealNetworkFaults, NoCamera) {
     EXPECT_EQ(ill.exit_code, 1);
 }
 
+// The name that the system has and the one that the finding's command gives.
+TEST_F(RealNetworkFaults, HostNotInFile) {
+    const std::string hall = atrium::test::source_dir() + "/deploy/sites/hall.toml";
+    const auto named = [&](const std::string& name, const std::string& command) {
+        return shell("unshare -u sh -c 'echo " + name + " > /proc/sys/kernel/hostname && " +
+                     command + "'");
+    };
+    const Outcome ill = named("north.lab", doctor(hall));
+    const json found = finding(ill, "host_not_in_file");
+    ASSERT_FALSE(found.is_null()) << ill.output;
+    EXPECT_EQ(ill.exit_code, 1);
+    std::string cure = found["cure"];
+    const std::string command = "atrium doctor";
+    ASSERT_EQ(cure.find(command), 0u) << cure;
+    cure.replace(0, command.size(), doctor(""));
+    for (const Outcome& well : {named("north.lab", cure), named("north", doctor(hall))}) {
+        EXPECT_TRUE(finding(well, "host_not_in_file").is_null()) << well.output;
+        const json missing = finding(well, "program_missing");  // there is none in the folder
+        ASSERT_FALSE(missing.is_null()) << well.output;
+        EXPECT_THAT(missing["text"].get<std::string>(), HasSubstr("camera_node"));
+    }
+}
+
+TEST_F(RealNetworkFaults, NoCameraOnAHostWithCameraNodeOnly) {
+    fs::create_symlink(ATRIUM_BIN_DIR "/camera_node", folder_ / "bin" / "camera_node");
+    const Outcome ill = shell(doctor("--for camera"));
+    const json found = finding(ill, "no_camera");
+    ASSERT_FALSE(found.is_null()) << ill.output;
+    EXPECT_THAT(found["cure"].get<std::string>(), HasSubstr("camera_node --list-cameras"));
+    EXPECT_EQ(ill.exit_code, 1);
+}
+
 // Mounts need a namespace, in which this test is.
 class RealDiskFaults : public RealNetworkFaults {
 protected:
@@ -317,8 +350,11 @@ TEST_F(RealFaults, CopyOfAHostShowsItsFault) {
 }
 
 TEST_F(RealFaults, WrongCommandLinesAreNamed) {
-    for (const std::string arguments :
-         {"--for nobody", "--network lam", "--root /nonexistent", "--no-such-option"})
+    for (const std::string arguments : {"--for nobody",
+                                        "--network lam",
+                                        "--root /nonexistent",
+                                        "--no-such-option",
+                                        "--host north"})
         EXPECT_EQ(run_program(kDoctor + " " + arguments, kLimit_s).exit_code, 2) << arguments;
     EXPECT_EQ(run_program(kDoctor + " /nonexistent.toml", kLimit_s).exit_code, 3);
 }

@@ -52,16 +52,28 @@ std::string address_of_camera(const Facts& facts, const SiteCamera& camera) {
     return "";
 }
 
-std::string path_of_site_node(const Facts& facts) {
+std::string path_of(const Facts& facts, const std::string& name) {
     for (const Program& program : facts.programs) {
-        if (program.name == "site_node") return shell_word(program.path.string());
+        if (program.name == name) return shell_word(program.path.string());
     }
-    return "site_node";
+    return name;
+}
+
+bool is_there(const Facts& facts, const std::string& name) {
+    return std::ranges::any_of(facts.programs, [&](const Program& program) {
+        return program.name == name && program.is_there;
+    });
+}
+
+// A host of a site on several hosts may have only one of the two.
+std::string list_command(const Facts& facts) {
+    const bool has_only_cameras = !is_there(facts, "site_node") && is_there(facts, "camera_node");
+    return path_of(facts, has_only_cameras ? "camera_node" : "site_node") + " --list-cameras";
 }
 
 void check_presence(const Facts& facts, Findings& findings) {
     if (!facts.cameras.found) return;
-    const std::string list = path_of_site_node(facts) + " --list-cameras";
+    const std::string list = list_command(facts);
     if (facts.cameras.found->empty()) {
         const Card* card = likely_camera_card(facts);
         const std::string cure =
@@ -157,16 +169,14 @@ void check_bandwidth(const Facts& facts, Findings& findings) {
         findings.push_back(make_finding(
             "cameras_exceed_link",
             fmt::format("The cameras at {} send {:.0f} Mbit/s at {:g} Hz; its link of {} Mbit/s "
-                        "carries {:.0f}.",
+                        "carries {:.0f}{}.",
                         card.name,
                         asked,
                         facts.wishes.rate_hz,
                         card.speed_mbit,
-                        has),
-            fmt::format("{} --config {} --capture.rate_hz {:g}",
-                        path_of_site_node(facts),
-                        shell_word(facts.wishes.file.string()),
-                        rate)));
+                        has,
+                        same_rate_on_all(facts.wishes)),
+            capture_program(facts) + fmt::format(" --capture.rate_hz {:g}", rate)));
     }
 }
 
@@ -188,17 +198,34 @@ void check_reverse_path(const Facts& facts, Findings& findings) {
         write_line(name + " = 2", "/etc/sysctl.d/60-atrium-rp_filter.conf")));
 }
 
-void check_rights(const Facts& facts, Findings& findings) {
+// Which program takes the pictures, the file says. Without one, each may: one with the right is
+// enough.
+void check_packet_sockets(const Facts& facts, Findings& findings) {
+    if (!has_gige(facts) || facts.user.has_net_raw) return;
+    const Wishes& wishes = facts.wishes;
+    std::string names;
+    std::string files;
     for (const Program& program : facts.programs) {
-        if (program.name != "site_node" || !program.has_net_raw || !has_gige(facts)) continue;
-        if (*program.has_net_raw || facts.user.has_net_raw) continue;
-        findings.push_back(make_finding(
-            "no_packet_socket",
-            "site_node may not open packet sockets (no cap_net_raw): the kernel's UDP loses more "
-            "packets of GigE Vision cameras.",
-            fmt::format("sudo setcap cap_net_raw,cap_sys_nice+ep {}",
-                        shell_word(program.path.string()))));
+        const bool takes_pictures = program.name == "site_node" ? wishes.hosts.names.empty()
+                                    : program.name == "camera_node"
+                                        ? wishes.file.empty() || wishes.hosts.has_cameras
+                                        : false;
+        if (!takes_pictures || !program.has_net_raw) continue;
+        if (*program.has_net_raw) return;
+        names += (names.empty() ? "" : " and ") + program.name;
+        files += " cap_net_raw,cap_sys_nice+ep " + shell_word(program.path.string());
     }
+    if (names.empty()) return;
+    findings.push_back(make_finding(
+        "no_packet_socket",
+        fmt::format("{} may not open packet sockets (no cap_net_raw): the kernel's UDP loses more "
+                    "packets of GigE Vision cameras.",
+                    names),
+        "sudo setcap" + files));
+}
+
+void check_rights(const Facts& facts, Findings& findings) {
+    check_packet_sockets(facts, findings);
     if (!facts.realtime_limit || *facts.realtime_limit >= kRealtime || facts.user.has_sys_nice)
         return;
     findings.push_back(make_finding(
@@ -254,6 +281,18 @@ void check_usb(const Facts& facts, Findings& findings) {
 }
 
 }  // namespace
+
+std::string capture_program(const Facts& facts) {
+    const SiteHosts& hosts = facts.wishes.hosts;
+    const std::string file = shell_word(facts.wishes.file.string());
+    if (hosts.names.empty()) return path_of(facts, "site_node") + " --config " + file;
+    return fmt::format(
+        "{} --config {} --host {}", path_of(facts, "camera_node"), file, shell_word(hosts.own));
+}
+
+std::string same_rate_on_all(const Wishes& wishes) {
+    return wishes.hosts.names.empty() ? "" : "; all hosts of the site need the same rate";
+}
 
 const Card* likely_camera_card(const Facts& facts) {
     const Card* likely = nullptr;

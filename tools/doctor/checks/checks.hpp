@@ -34,7 +34,12 @@ std::vector<const Card*> camera_cards(const Facts& facts);
 /// nullptr if there is none but loopback.
 const Card* likely_camera_card(const Facts& facts);
 
-/// [Mbit/s] of all cameras of the site file that send through `card`; 0: none or unknown.
+/// The command line of the program that takes this host's pictures, with the site file.
+std::string capture_program(const Facts& facts);
+/// What to add to a sentence whose cure is a lower rate; empty in a site of one process.
+std::string same_rate_on_all(const Wishes& wishes);
+
+/// [Mbit/s] of this host's cameras of the site file that send through `card`; 0: none or unknown.
 double camera_mbit_per_s(const Facts& facts, const Card& card);
 
 }  // namespace atrium::doctor

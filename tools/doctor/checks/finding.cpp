@@ -15,6 +15,7 @@ constexpr std::array kKnown{
     KnownFinding{"library_missing", Severity::kStops},
     KnownFinding{"versions_mixed", Severity::kStops},
     // site file
+    KnownFinding{"host_not_in_file", Severity::kStops},
     KnownFinding{"rig_unusable", Severity::kStops},
     KnownFinding{"recording_missing", Severity::kStops},
     KnownFinding{"cores_too_few", Severity::kCosts},

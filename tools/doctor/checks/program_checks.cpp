@@ -45,6 +45,8 @@ constexpr std::array<std::pair<const char*, const char*>, 28> kPackages{
 
 // Of two cores, measured with eight cameras of 1 MP (docs/measurements/site.md), with a reserve.
 constexpr double kCoreSecondsPerMegapixel = 0.003;
+// Without the hull, on two thirds of the cores (deploy/costs.toml).
+constexpr double kCameraNodeSecondsPerMegapixel = 0.002;
 
 std::string cure_of_libraries(const std::vector<std::string>& libraries) {
     std::vector<std::string> packages;
@@ -61,9 +63,13 @@ std::string cure_of_libraries(const std::vector<std::string>& libraries) {
     return fmt::format("sudo apt install {}", fmt::join(packages, " "));
 }
 
-bool is_needed(const Roles& roles, const std::string& name) {
-    return (roles.site && name == "site_node") || (roles.world && name == "world_server") ||
-           (roles.viewer && name == "viewer");
+bool is_needed(const Facts& facts, const std::string& name) {
+    const Roles& roles = facts.roles;
+    const SiteHosts& hosts = facts.wishes.hosts;
+    const bool is_one_process = hosts.names.empty();
+    return (roles.site && name == "site_node" && (is_one_process || hosts.runs_site_node())) ||
+           (roles.site && name == "camera_node" && hosts.has_cameras) ||
+           (roles.world && name == "world_server") || (roles.viewer && name == "viewer");
 }
 
 void check_versions(const Facts& facts, Findings& findings) {
@@ -86,26 +92,53 @@ void check_versions(const Facts& facts, Findings& findings) {
         fmt::format("deploy/build.sh build && sudo cp -r build/bin/. {}", shell_word(folder))));
 }
 
+// The programs of a site must know the name of their host.
+void check_host(const Facts& facts, Findings& findings) {
+    const Wishes& wishes = facts.wishes;
+    const SiteHosts& hosts = wishes.hosts;
+    const bool runs_site = facts.roles.site || facts.roles.camera;
+    if (!runs_site || hosts.names.empty() || hosts.is_listed) return;
+    // a host may be called by its name or with its domain
+    const std::string short_name = hosts.own.substr(0, hosts.own.find('.'));
+    const auto alike = std::ranges::find_if(hosts.names, [&](const std::string& name) {
+        return !short_name.empty() && name.substr(0, name.find('.')) == short_name;
+    });
+    const bool has_alike = alike != hosts.names.end();
+    findings.push_back(make_finding(
+        "host_not_in_file",
+        fmt::format("{} is none of the hosts of {}: {}. Name it by --host, also to its programs{}, "
+                    "or add a [[host]] with its name to the file.",
+                    hosts.own.empty() ? "This host, whose name is unknown,"
+                                      : fmt::format("This host, '{}',", hosts.own),
+                    wishes.file.string(),
+                    fmt::join(hosts.names, ", "),
+                    has_alike ? "" : " (replace HOST)"),
+        fmt::format("atrium doctor {} --host {}",
+                    shell_word(wishes.file.string()),
+                    has_alike ? shell_word(*alike) : "HOST")));
+}
+
 void check_cores(const Facts& facts, Findings& findings) {
     const Wishes& wishes = facts.wishes;
+    const bool has_hull = wishes.hosts.names.empty() || wishes.hosts.runs_site_node();
     double megapixels = 0.0;
     for (const SiteCamera& camera : wishes.cameras) megapixels += camera.megapixels;
     const double per_s = megapixels * wishes.rate_hz;
-    const double needed = kCoreSecondsPerMegapixel * per_s;
+    const double needed =
+        (has_hull ? kCoreSecondsPerMegapixel : kCameraNodeSecondsPerMegapixel) * per_s;
     if (facts.load.cores > 0 && needed > facts.load.cores) {
         const double rate = std::max(1.0, std::floor(wishes.rate_hz * facts.load.cores / needed));
         findings.push_back(make_finding(
             "cores_too_few",
             fmt::format("{:.0f} megapixels/s ({} cameras at {:g} Hz) need about {:.1f} cores; this "
-                        "host has {}.",
+                        "host has {}{}.",
                         per_s,
                         wishes.cameras.size(),
                         wishes.rate_hz,
                         needed,
-                        facts.load.cores),
-            fmt::format("site_node --config {} --capture.rate_hz {:g}",
-                        shell_word(wishes.file.string()),
-                        rate)));
+                        facts.load.cores,
+                        same_rate_on_all(wishes)),
+            capture_program(facts) + fmt::format(" --capture.rate_hz {:g}", rate)));
     }
 }
 
@@ -132,7 +165,7 @@ void check_nice(const Facts& facts, Findings& findings) {
 Findings check_programs(const Facts& facts) {
     Findings findings;
     for (const Program& program : facts.programs) {
-        if (!program.is_there && is_needed(facts.roles, program.name)) {
+        if (!program.is_there && is_needed(facts, program.name)) {
             const std::string folder = program.path.parent_path().string();
             findings.push_back(
                 make_finding("program_missing",
@@ -156,6 +189,7 @@ Findings check_site_file(const Facts& facts) {
     Findings findings;
     const Wishes& wishes = facts.wishes;
     check_nice(facts, findings);
+    check_host(facts, findings);
     if (wishes.source.empty()) return findings;
     if (!wishes.is_recording_there) {
         findings.push_back(

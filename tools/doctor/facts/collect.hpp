@@ -20,10 +20,13 @@ struct Request {
 
 inline constexpr const char* kKeys = "/etc/atrium/keys";
 
-/// Reads what the file of a site, world or viewer asks. Errors: kNotFound, kConfiguration.
-Expected<Wishes> read_wishes(const std::filesystem::path& file);
-/// The roles of the program that reads the file.
-Expected<Roles> roles_of_file(const std::filesystem::path& file);
+/// Reads what the file of a site, world or viewer asks of the host named `own_host`. Errors:
+/// kNotFound, kConfiguration.
+Expected<Wishes> read_wishes(const std::filesystem::path& file, const std::string& own_host);
+/// The roles of the programs that read the file on the host named `own_host`.
+Expected<Roles> roles_of_file(const std::filesystem::path& file, const std::string& own_host);
+/// The name of the examined host, as Atrium's programs write it; empty: unknown.
+std::string host_name(const System& system);
 
 /// Takes about two seconds on a live system: it measures over one and looks for cameras.
 Facts collect(const System& system, const Request& request);

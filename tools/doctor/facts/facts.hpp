@@ -156,7 +156,18 @@ struct SiteCamera {
     double bytes_per_pixel = 1.0;
 };
 
-/// What the file of a site, world or viewer asks.
+/// The `[[host]]` of a site file, as this host sees them.
+struct SiteHosts {
+    std::vector<std::string> names;  // of all; empty: the site is one process
+    std::string own;                 // name of this host; empty: unknown
+    bool is_listed = false;          // `own` is one of them
+    bool has_cameras = false;        // this host runs camera_node
+    bool is_model = false;           // this host collects the silhouettes
+    bool has_regions = false;        // this host computes the hulls of some regions
+    bool runs_site_node() const { return is_model || has_regions; }
+};
+
+/// What the file of a site, world or viewer asks of this host.
 struct Wishes {
     std::filesystem::path file;  // empty: no file
     std::string network = "lan";
@@ -170,8 +181,9 @@ struct Wishes {
     bool is_recording_there = true;
     std::filesystem::path cache;  // kept silhouettes; empty: none
     double rate_hz = 0.0;
-    int nice = 0;  // process.nice
-    std::vector<SiteCamera> cameras;
+    int nice = 0;                     // process.nice
+    std::vector<SiteCamera> cameras;  // of a site on several hosts: those of this host
+    SiteHosts hosts;
 };
 
 struct Roles {

@@ -164,6 +164,17 @@ void read_memory(const System& system, LoadFacts& load) {
 
 }  // namespace
 
+std::string host_name(const System& system) {
+    constexpr std::size_t kMaxName = 63;
+    std::string name = system.read_word("/proc/sys/kernel/hostname").value_or("");
+    for (char& c : name) {
+        const bool is_allowed = (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                                (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';
+        if (!is_allowed) c = '-';
+    }
+    return name.substr(0, kMaxName);
+}
+
 bool may_use(const struct stat& status, const User& user) {
     if (user.is_root) return true;
     if (status.st_uid == user.id) return (status.st_mode & S_IRUSR) && (status.st_mode & S_IWUSR);

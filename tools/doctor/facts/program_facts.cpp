@@ -10,12 +10,16 @@ namespace atrium::doctor {
 namespace {
 
 constexpr std::array kPrograms{"site_node",
+                               "camera_node",
                                "world_server",
                                "viewer",
                                "calibrate",
                                "demo",
+                               "doctor",
                                "monitor",
+                               "plan",
                                "simulated_cameras",
+                               "site_control",
                                "visual_hull"};
 
 // "libEGL.so.1 => not found" in the output of ldd.
@@ -123,7 +127,8 @@ CameraFacts collect_cameras(const System& system,
     facts.usb_memory_mb = system.read_number("/sys/module/usbcore/parameters/usbfs_memory_mb");
     constexpr int kNoneAnswers = 3;
     for (const Program& program : programs) {
-        if (program.name != "site_node" || program.version.empty()) continue;
+        const bool lists = program.name == "site_node" || program.name == "camera_node";
+        if (!lists || program.version.empty() || facts.found) continue;
         const auto output = system.run({program.path.string(), "--list-cameras"});
         if (output && (output->exit_code == 0 || output->exit_code == kNoneAnswers))
             facts.found = parse_camera_table(output->text);

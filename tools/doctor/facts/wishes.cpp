@@ -27,6 +27,71 @@ void read_bus(config::TableReader& file, Wishes& wishes) {
     file.read("process.nice", wishes.nice, {-20, 19});
 }
 
+// One `[[host]]`. The programs check the rest of its rules.
+struct HostTable {
+    std::string name;
+    std::vector<std::string> cameras;
+    bool takes_any = false;  // cameras = "auto": those that no other host names
+    bool is_model = false;
+    std::vector<std::string> regions;
+};
+
+std::vector<HostTable> read_host_tables(config::TableReader& file) {
+    std::vector<HostTable> tables;
+    for (config::TableReader& entry : file.tables("host")) {
+        HostTable host;
+        entry.read("name", host.name);
+        if (entry.has_array("cameras")) {
+            entry.read("cameras", host.cameras);
+        } else {
+            std::string which;
+            entry.read("cameras", which, {"auto"});
+            host.takes_any = which == "auto";
+        }
+        entry.read("model", host.is_model);
+        entry.read("regions", host.regions);
+        entry.pass_over_others();
+        tables.push_back(std::move(host));
+    }
+    return tables;
+}
+
+const HostTable* table_of(const std::vector<HostTable>& tables, const std::string& host) {
+    if (host.empty()) return nullptr;
+    const auto own = std::ranges::find(tables, host, &HostTable::name);
+    return own == tables.end() ? nullptr : &*own;
+}
+
+SiteHosts hosts_seen_from(const std::string& host, const std::vector<HostTable>& tables) {
+    SiteHosts hosts;
+    hosts.own = host;
+    for (const HostTable& table : tables) hosts.names.push_back(table.name);
+    const HostTable* own = table_of(tables, host);
+    if (own == nullptr) return hosts;
+    hosts.is_listed = true;
+    hosts.has_cameras = own->takes_any || !own->cameras.empty();
+    hosts.is_model = own->is_model;
+    hosts.has_regions = !own->regions.empty();
+    return hosts;
+}
+
+bool names_camera(const HostTable& host, const std::string& camera) {
+    return std::ranges::find(host.cameras, camera) != host.cameras.end();
+}
+
+// Leaves only what this host does, of a site on several hosts.
+void keep_own_part(Wishes& wishes, const std::vector<HostTable>& tables) {
+    if (tables.empty()) return;
+    const HostTable* own = table_of(tables, wishes.hosts.own);
+    std::erase_if(wishes.cameras, [&](const SiteCamera& camera) {
+        if (own == nullptr) return true;
+        if (!own->takes_any) return !names_camera(*own, camera.name);
+        return std::ranges::any_of(
+            tables, [&](const HostTable& host) { return names_camera(host, camera.name); });
+    });
+    if (!wishes.hosts.is_model) wishes.cache.clear();
+}
+
 // Sizes are those of the rig; a camera that it does not have counts nothing.
 void read_rig(Wishes& wishes) {
     const auto rig = config::load_rig(wishes.rig);
@@ -42,6 +107,7 @@ void read_rig(Wishes& wishes) {
             const auto& camera = rig->cameras[j];
             const bool is_named = !wanted.name.empty();
             if (is_named ? camera.name != wanted.name : i != j) continue;
+            wanted.name = camera.name;
             wanted.megapixels =
                 1e-6 * camera.intrinsics.width * static_cast<double>(camera.intrinsics.height);
         }
@@ -79,9 +145,16 @@ void read_capture(config::TableReader& file, Wishes& wishes) {
     if (wishes.is_recording_there) read_rig(wishes);
 }
 
+void read_site(config::TableReader& file, const std::string& own_host, Wishes& wishes) {
+    const std::vector<HostTable> tables = read_host_tables(file);
+    wishes.hosts = hosts_seen_from(own_host, tables);
+    read_capture(file, wishes);
+    keep_own_part(wishes, tables);
+}
+
 }  // namespace
 
-Expected<Roles> roles_of_file(const std::filesystem::path& file) {
+Expected<Roles> roles_of_file(const std::filesystem::path& file, const std::string& own_host) {
     auto reader = config::TableReader::load(file);
     if (!reader) return tl::unexpected(reader.error());
     Roles roles;
@@ -90,21 +163,23 @@ Expected<Roles> roles_of_file(const std::filesystem::path& file) {
                  !reader->has_array("site");
     roles.world = !roles.viewer && !roles.site;
     std::string source;
-    if (roles.site) reader->read("capture.source", source);
-    roles.camera = source == "cameras";
+    if (!roles.site) return roles;
+    reader->read("capture.source", source);
+    const SiteHosts hosts = hosts_seen_from(own_host, read_host_tables(*reader));
+    roles.camera = source == "cameras" && (hosts.names.empty() || hosts.has_cameras);
     return roles;
 }
 
-Expected<Wishes> read_wishes(const std::filesystem::path& file) {
+Expected<Wishes> read_wishes(const std::filesystem::path& file, const std::string& own_host) {
     auto reader = config::TableReader::load(file);
     if (!reader) return tl::unexpected(reader.error());
-    const auto roles = roles_of_file(file);
+    const auto roles = roles_of_file(file, own_host);
     if (!roles) return tl::unexpected(roles.error());
     Wishes wishes;
     wishes.file = file;
     wishes.network = "loopback";  // as the programs, without the key
     read_bus(*reader, wishes);
-    if (roles->site) read_capture(*reader, wishes);
+    if (roles->site) read_site(*reader, own_host, wishes);
     // the programs read the rest and know its rules; a world has other tables of these names
     std::vector<std::string> tables{"bus", "process"};
     if (roles->site) tables.insert(tables.end(), {"site", "capture", "capture.cameras"});

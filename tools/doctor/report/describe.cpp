@@ -16,6 +16,17 @@ std::string size_or_unknown(const std::optional<std::uint64_t>& bytes) {
     return bytes ? size_text(*bytes) : kUnknown;
 }
 
+std::string describe_host(const SiteHosts& hosts) {
+    if (hosts.names.empty()) return "not in a site on several hosts";
+    const std::string name = hosts.own.empty() ? kUnknown : hosts.own;
+    if (!hosts.is_listed) return name + ", not in the file";
+    std::vector<std::string> does;
+    if (hosts.has_cameras) does.emplace_back("cameras");
+    if (hosts.is_model) does.emplace_back("hull");
+    if (hosts.has_regions) does.emplace_back("regions");
+    return fmt::format("{}: {}", name, fmt::join(does, ", "));
+}
+
 std::string describe_programs(const Facts& facts) {
     std::set<std::string> versions;
     std::size_t count = 0;
@@ -106,6 +117,7 @@ std::vector<Checked> describe(const Facts& facts) {
     return {
         {"checked for", fmt::format("{}", fmt::join(names_of(facts.roles), ", "))},
         {"file", facts.wishes.file.empty() ? "none" : facts.wishes.file.string()},
+        {"host", describe_host(facts.wishes.hosts)},
         {"programs", describe_programs(facts)},
         {"network", facts.wishes.network},
         {"network card", describe_card(network)},

@@ -1,0 +1,161 @@
+#include "tests/unit/doctor/fake_host.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+// What is no fault on one host of a site on several hosts.
+namespace atrium::doctor {
+namespace {
+
+using testing::HasSubstr;
+
+std::filesystem::path hosts_folder(const std::string& name) {
+    return std::filesystem::path(testing::TempDir()) /
+           ("atrium_doctor_" + std::to_string(getpid())) / name;
+}
+
+std::string report_on(const FakeHost& host, const std::string& name, double rate_hz = 30.0) {
+    const auto report = examine({.file = host.write_hosts(rate_hz),
+                                 .host = name,
+                                 .recordings = host.folder(),
+                                 .programs = host.programs()},
+                                host,
+                                {});
+    return report ? report->text : report.error().message;
+}
+
+TEST(DoctorHosts, AreSilentIfHealthy) {
+    const FakeHost host(hosts_folder("healthy_hosts"));
+    for (const std::string name : {"", "left", "right", "hull", "stairs"})
+        EXPECT_EQ(report_on(host, name), "") << name;
+}
+
+TEST(DoctorHosts, TakeTheirNameFromTheSystem) {
+    FakeHost host(hosts_folder("own_name"));
+    host.write("/proc/sys/kernel/hostname", "right\n");
+    host.set_cameras({{"192.168.1.12", "102"}});
+    EXPECT_EQ(report_on(host, ""), "");
+    EXPECT_THAT(report_on(host, "left"), HasSubstr("[camera_missing]"));
+}
+
+TEST(DoctorHosts, NeedNoCamerasOfOthers) {
+    FakeHost host(hosts_folder("others_cameras"));
+    host.set_cameras({{"192.168.1.11", "101"}});
+    EXPECT_EQ(report_on(host, "left"), "");
+    host.set_cameras({{"192.168.1.12", "102"}});
+    EXPECT_EQ(report_on(host, "right"), "");
+}
+
+TEST(DoctorHosts, NeedNoCamerasWithoutAny) {
+    FakeHost host(hosts_folder("no_cameras"));
+    for (const char* program : {"site_node", "camera_node"})
+        host.outputs[std::string(program) + " --list-cameras"] = {3, "no camera answers\n"};
+    EXPECT_EQ(report_on(host, "hull"), "");
+    EXPECT_EQ(report_on(host, "stairs"), "");
+    EXPECT_THAT(report_on(host, "left"), HasSubstr("[no_camera]"));
+}
+
+TEST(DoctorHosts, CarryOnlyTheirOwnPictures) {
+    FakeHost host(hosts_folder("own_pictures"));
+    constexpr double kRate_hz = 100.0;  // 800 Mbit/s of each camera, 100 MB/s
+    host.disk_mb_per_s = 110.0;
+    host.write("/sys/devices/system/cpu/online", "0\n");
+    host.in_one_second = [](const FakeHost&) {};
+    EXPECT_EQ(report_on(host, "left", kRate_hz), "");
+    const auto alone =
+        host.examine_json({.file = host.write_site(kRate_hz), .recordings = host.folder()});
+    for (const char* id : {"cameras_exceed_link", "disk_slow"})
+        EXPECT_THAT(alone->text, HasSubstr(id));
+}
+
+TEST(DoctorHosts, NeedOnlyTheProgramsOfTheirPart) {
+    const FakeHost host(hosts_folder("own_programs"));
+    std::filesystem::remove(host.programs() / "site_node");
+    EXPECT_EQ(report_on(host, "left"), "");
+    const FakeHost other(hosts_folder("own_programs_2"));
+    std::filesystem::remove(other.programs() / "camera_node");
+    EXPECT_EQ(report_on(other, "hull"), "");
+    EXPECT_EQ(report_on(other, "stairs"), "");
+}
+
+TEST(DoctorHosts, NeedRightsOnlyOfTheirProgram) {
+    FakeHost host(hosts_folder("own_rights"));
+    host.capabilities_of["site_node"] = 0;
+    EXPECT_EQ(report_on(host, "left"), "");
+    host.capabilities_of = {{"camera_node", 0}};
+    EXPECT_FALSE(host.examine_json({.file = host.write_site()})->is_ill);
+    EXPECT_FALSE(host.examine_json()->is_ill) << "one of both may be used";
+}
+
+TEST(DoctorHosts, MayLackTheCacheWithoutTheModelPart) {
+    FakeHost host(hosts_folder("own_cache"));
+    host.disk_mb_per_s = make_error(ErrorKind::kUnavailable, "Permission denied");
+    for (const std::string name : {"left", "stairs"})
+        EXPECT_FALSE(host.examine_json({.file = host.write_hosts(), .host = name})->is_ill) << name;
+}
+
+TEST(DoctorHosts, ThatRunTheWorldOnlyNeedNoEntry) {
+    const FakeHost host(hosts_folder("world_host"));
+    const auto report = host.examine_json(
+        {.file = host.write_hosts(), .roles = Roles{.world = true}, .host = "world"});
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_FALSE(report->is_ill) << report->text;
+}
+
+TEST(DoctorHosts, MayBeSimulated) {
+    const FakeHost host(hosts_folder("simulated"));
+    host.write_site();  // for its rig
+    const auto file = host.write_beside("room.toml",
+                                        "[capture]\nrig = \"rig.toml\"\n[bus]\nnetwork = \"lan\"\n"
+                                        "[[host]]\nname = \"left\"\ncameras = [\"cam1\"]\n"
+                                        "[[host]]\nname = \"hull\"\nmodel = true\n"
+                                        "cameras = [\"cam2\"]\n");
+    for (const std::string name : {"left", "hull"}) {
+        const auto wishes = read_wishes(file, name);
+        ASSERT_TRUE(wishes) << wishes.error().message;
+        ASSERT_EQ(wishes->cameras.size(), 1u) << name;
+        EXPECT_EQ(wishes->cameras[0].name, name == "left" ? "cam1" : "cam2");
+        EXPECT_EQ(wishes->cameras[0].megapixels, 1.0);
+    }
+    EXPECT_TRUE(read_wishes(file, "")->cameras.empty());
+}
+
+TEST(DoctorHosts, AreShownAmongWhatWasChecked) {
+    const FakeHost host(hosts_folder("shown"));
+    const auto shown = [&](const std::string& name) {
+        return examine({.file = host.write_hosts(), .host = name}, host, {.shows_checked = true})
+            ->text;
+    };
+    EXPECT_THAT(shown("left"), HasSubstr("left: cameras"));
+    EXPECT_THAT(shown("hull"), HasSubstr("hull: hull"));
+    EXPECT_THAT(shown("stairs"), HasSubstr("stairs: regions"));
+    EXPECT_THAT(shown("pc7"), HasSubstr("pc7, not in the file"));
+}
+
+TEST(DoctorHosts, WithAWrongTableAreAnError) {
+    const FakeHost host(hosts_folder("wrong_hosts"));
+    const auto wrong =
+        host.examine_json({.file = host.write_beside("w.toml",
+                                                     "[capture]\n[[host]]\nname = \"left\"\n"
+                                                     "cameras = \"all\"\n")});
+    ASSERT_FALSE(wrong);
+    EXPECT_EQ(wrong.error().kind, ErrorKind::kConfiguration);
+    EXPECT_THAT(wrong.error().message, HasSubstr("w.toml:4"));
+}
+
+TEST(HostName, IsWrittenAsThePrograms) {
+    const FakeHost host(hosts_folder("name"));
+    for (const auto& [system, name] :
+         {std::pair<std::string, std::string>{"lab-1.example\n", "lab-1.example"},
+          {"lab one\n", "lab-one"},
+          {std::string(100, 'a') + "\n", std::string(63, 'a')},
+          {"", ""}}) {
+        host.write("/proc/sys/kernel/hostname", system);
+        EXPECT_EQ(host_name(host), name);
+    }
+}
+
+}  // namespace
+}  // namespace atrium::doctor
