@@ -104,6 +104,14 @@ TEST(DoctorHosts, ThatRunTheWorldOnlyNeedNoEntry) {
     EXPECT_FALSE(report->is_ill) << report->text;
 }
 
+TEST(DoctorHosts, WantThePreciseClockOnlyInASite) {
+    FakeHost host(hosts_folder("clock"));
+    host.kernel_clock.max_error_ms = 49.0;
+    EXPECT_FALSE(host.examine_json()->is_ill);
+    EXPECT_FALSE(host.examine_json({.file = host.write_site()})->is_ill);
+    EXPECT_TRUE(host.examine_json({.file = host.write_hosts()})->is_ill);
+}
+
 TEST(DoctorHosts, MayBeSimulated) {
     const FakeHost host(hosts_folder("simulated"));
     host.write_site();  // for its rig
