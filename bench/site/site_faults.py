@@ -270,7 +270,7 @@ def measure(site, name, host):
         own_start = site.own_start(host, end)
     until_full = site.meshes(begin, full + 1e-6)
     times = [begin, *(mesh[0] for mesh in until_full)]
-    expected = {"model_part_killed": None, "started_twice": False, "killed_and_restarted_at_once": None}.get(name, True)
+    expected = {"model_part_killed": None, "started_twice": False}.get(name, True)
     shown = any(f"host {host} is left out" in line for _, line in site.says["world"].since(begin))
     told = [line for _, line in site.says["hull"].since(begin) if "host_left_out" in line and f"host={host} " in line]
     time.sleep(SETTLE_S)
@@ -287,7 +287,8 @@ def measure(site, name, host):
         "fewest_cameras": min((mesh[1] for mesh in until_full), default=0),
         "mixed": sum(mesh[2] > PERIOD_S / 2 for mesh in [*until_full, *after]),
         "named_in_log": None if expected is None else bool(told) == expected,
-        "named_in_monitor": None if expected is None else shown == expected,
+        # the site reports once a second: a shorter absence may not be seen
+        "named_in_monitor": None if expected is None or name == "killed_and_restarted_at_once" else shown == expected,
         "told": [re.sub(r"^.*?(?=host_left_out)", "", line) for line in told],
     }
 
@@ -302,9 +303,9 @@ def text_of(figures):
 
 
 def row_of(text, runs):
-    def spread(key, form="{:.0f}"):
-        values = sorted(figures[key] for figures in runs)
-        return form.format(statistics.median(values)) + ("; " + form.format(values[-1]) if len(values) > 1 else "")
+    def spread(key, form="{:.0f}", worst=max):
+        values = [figures[key] for figures in runs]
+        return form.format(statistics.median(values)) + ("; " + form.format(worst(values)) if len(values) > 1 else "")
 
     def all_of(key):
         values = [figures[key] for figures in runs if figures[key] is not None]
@@ -319,7 +320,7 @@ def row_of(text, runs):
         "" if is_duplicate else spread("all_cameras_ms"),
         spread("own_start_ms") if is_restart else "",
         spread("longest_gap_ms"),
-        spread("metaframes_per_s", "{:.1f}"),
+        spread("metaframes_per_s", "{:.1f}", min),
         str(sum(figures["mixed"] for figures in runs)),
         *named,
     ]
@@ -399,7 +400,7 @@ def main():
     origin = (
         f"{machine.today():%Y-%m-%dT%H:%MZ}, commit {short}{' and changes' if is_changed else ''}, {machine.name()}, "
         f"{machine.num_cores()} cores, machine score {score['one_core']['score']:.1f}, machine busy {busy:.0%}, of that others {others:.0%} "
-        f"before; median; largest of {options.runs} runs each"
+        f"before; median; worst of {options.runs} runs each"
     )
     with open(options.out, "w", encoding="utf-8") as file:
         json.dump({"origin": origin, "runs": runs}, file, indent=1)
