@@ -399,8 +399,8 @@ def main():
     short, is_changed = machine.commit()
     origin = (
         f"{machine.today():%Y-%m-%dT%H:%MZ}, commit {short}{' and changes' if is_changed else ''}, {machine.name()}, "
-        f"{machine.num_cores()} cores, machine score {score['one_core']['score']:.1f}, machine busy {busy:.0%}, of that others {others:.0%} "
-        f"before; median; worst of {options.runs} runs each"
+        f"{machine.num_cores()} cores, machine score {score['one_core']['score']:.1f}, busy {busy:.0%}, others {others:.0%} "
+        f"before; median; worst of {options.runs} runs"
     )
     with open(options.out, "w", encoding="utf-8") as file:
         json.dump({"origin": origin, "runs": runs}, file, indent=1)
