@@ -83,8 +83,11 @@ void RegionHosts::order(std::uint64_t frame_id,
         for (const std::uint32_t camera : cameras_[i]) {
             if (delivered[camera] != 0) add_camera(camera, views[camera].contours, order);
         }
-        if (const auto written = bus_.orders[i].write(order); !written)
-            failures_[i] = written.error().message;
+        const auto written = bus_.orders[i].write(order);
+        if (written) continue;
+        failures_[i] = written.error().message;
+        const std::lock_guard lock(mutex_);
+        table_.not_sent(i);
     }
 }
 

@@ -28,6 +28,7 @@ void RegionTable::begin(std::uint64_t frame_id, const std::vector<bool>& is_conn
     if (orders_.size() > kRememberedOrders) orders_.pop_front();
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
         Host& host = hosts_[i];
+        host.was_sent = true;
         host.has_answered = false;
         if (is_connected[i] && !host.is_connected) host.is_new = true;
         host.is_connected = is_connected[i];
@@ -38,7 +39,7 @@ void RegionTable::begin(std::uint64_t frame_id, const std::vector<bool>& is_conn
 bool RegionTable::waits_for(std::size_t i) const {
     const Host& host = hosts_[i];
     const bool is_expected = host.state == bus::HostState::kInUse || host.is_new;
-    return host.is_connected && is_expected && !host.has_answered;
+    return host.is_connected && host.was_sent && is_expected && !host.has_answered;
 }
 
 bool RegionTable::waits_for_any() const {

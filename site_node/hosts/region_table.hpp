@@ -35,6 +35,9 @@ public:
     /// waited for.
     void begin(std::uint64_t frame_id, const std::vector<bool>& is_connected, Time now);
 
+    /// The last order did not leave for this host: nobody waits for an answer.
+    void not_sent(std::size_t host) { hosts_[host].was_sent = false; }
+
     /// Whether the metaframe of the last order waits for this host.
     bool waits_for(std::size_t host) const;
     bool waits_for_any() const;
@@ -59,6 +62,7 @@ private:
         bus::HostState state = bus::HostState::kMissing;
         bool is_connected = false;
         bool is_new = false;        // connected since its last answer: waited for
+        bool was_sent = false;      // the last order
         bool has_answered = false;  // the last order
         std::optional<Time> last_answer;
         int num_in_time = 0;  // in a row

@@ -114,6 +114,19 @@ TEST_F(RegionTableTest, AnswersToUnknownOrdersCountForNothing) {
     EXPECT_FALSE(table_.waits_for(0));
 }
 
+TEST_F(RegionTableTest, NobodyWaitsForAnOrderThatDidNotLeave) {
+    order(5ms, 5ms);
+    table_.begin(++frame_, {true, true}, now_);
+    table_.not_sent(1);
+    EXPECT_TRUE(table_.waits_for(0));
+    EXPECT_FALSE(table_.waits_for(1));
+    table_.answered(0, frame_, now_ + 5ms);
+    EXPECT_FALSE(table_.waits_for_any());
+    table_.end(now_ + 5ms);
+    EXPECT_EQ(state(1), HostState::kInUse);  // it is not its fault
+    EXPECT_EQ(table_.statuses()[1].num_left_out, 1u);
+}
+
 // Whatever hosts do, a metaframe waits for 250 ms at most, and for a host that is silent only once.
 TEST_F(RegionTableTest, NoHostHoldsTheSiteUp) {
     for (std::uint32_t seed = 0; seed < 100; ++seed) {
