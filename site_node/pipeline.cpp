@@ -105,13 +105,8 @@ Pipeline::Silhouettes::~Silhouettes() = default;
 
 std::vector<std::vector<Eigen::Vector2d>> Pipeline::Silhouettes::delivered_outlines(
     std::size_t camera) const {
-    const Camera& seen = *cameras_[camera];
-    std::vector<std::vector<Eigen::Vector2d>> outlines;
-    if (delivered_[camera] == 0) return outlines;
-    for (std::size_t c = 0; c < seen.dropped.size(); ++c) {
-        if (seen.dropped[c] == 0) outlines.push_back(seen.outlines[c].vertices_px);
-    }
-    return outlines;
+    if (delivered_[camera] == 0) return {};
+    return kept_outlines(*cameras_[camera]);
 }
 
 Pipeline::Pipeline(std::vector<geometry::CalibratedCamera> cameras,

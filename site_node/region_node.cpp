@@ -60,7 +60,8 @@ Expected<std::unique_ptr<RegionNode>> RegionNode::create(const SiteNodeConfig& a
     if (!own) return tl::unexpected(own.error());
     if (!config.preview.empty())
         return make_error(ErrorKind::kConfiguration,
-                          "--preview: the pictures stay on the hosts of the cameras");
+                          "--preview: the pictures stay on the hosts of the cameras: camera_node "
+                          "--preview there");
     auto work = own_work(config, *own);
     if (!work) return tl::unexpected(work.error());
 

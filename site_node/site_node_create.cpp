@@ -77,7 +77,8 @@ Expected<void> check_own_part(const SiteNodeConfig& config, const config::Rig& r
     }
     if (!config.preview.empty()) {
         return make_error(ErrorKind::kConfiguration,
-                          "--preview: the pictures stay on the hosts of the cameras");
+                          "--preview: the pictures stay on the hosts of the cameras: camera_node "
+                          "--preview there");
     }
     return {};
 }

@@ -63,6 +63,8 @@ CameraNode::CameraNode(site_node::SiteNodeConfig config,
                    work_on(key, std::move(picture));
                }) {
     orders_.jpeg_quality = static_cast<std::uint32_t>(config_.pipeline.jpeg_quality);
+    if (!config_.preview.empty())
+        preview_ = std::make_unique<CameraPreview>(config_.preview, camera_names_);
 }
 
 CameraNode::~CameraNode() { workers_.stop(); }
@@ -167,10 +169,16 @@ void CameraNode::work_on(const std::string& key, Picture picture) {
     }
     const bool is_lost = picture.frame.is_lost();
     const Timestamp capture_time = picture.frame.capture_time;
+    if (is_lost && preview_ != nullptr)
+        preview_->take(index_of(key), picture.frame, camera.work->seen());
     const auto published =
         camera.work->process(picture.frame, picture.clock_epoch, newest_orders(), [&] {
-            const std::lock_guard lock(latency_mutex_);
-            capture_to_silhouette_.add(Timestamp::now() - capture_time);
+            {
+                const std::lock_guard lock(latency_mutex_);
+                capture_to_silhouette_.add(Timestamp::now() - capture_time);
+            }
+            if (preview_ != nullptr)
+                preview_->take(index_of(key), picture.frame, camera.work->seen());
         });
     if (!published) {
         ++num_failed_;

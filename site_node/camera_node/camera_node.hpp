@@ -7,6 +7,7 @@
 #include "core/base/statistics.hpp"
 #include "core/bus/bus.hpp"
 #include "core/presence/membership.hpp"
+#include "site_node/camera_node/camera_preview.hpp"
 #include "site_node/camera_node/camera_work.hpp"
 #include "site_node/config.hpp"
 #include "site_node/hosts/clock_epoch.hpp"
@@ -88,6 +89,7 @@ private:
     mutable std::mutex source_mutex_;  // guards the pointer: the source is opened anew
     std::shared_ptr<capture::FrameSource> source_;
     std::vector<std::unique_ptr<Camera>> cameras_;
+    std::unique_ptr<CameraPreview> preview_;  // null: none
     Bus bus_;
     std::unique_ptr<hosts::ClockEpoch> clock_epoch_;
     std::uint64_t source_epoch_;  // in which `source_` was opened

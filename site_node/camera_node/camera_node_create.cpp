@@ -91,9 +91,8 @@ Expected<Part> own_part(const SiteNodeConfig& config) {
         return wrong(
             "host: the site's file has no [[host]]: the site is one process, site_node "
             "(docs/site_hosts.md)");
-    if (!config.preview.empty() || !config.write_silhouettes.empty())
-        return wrong(
-            "--preview, --write-silhouettes: site_node has them, in a site of one process");
+    if (!config.write_silhouettes.empty())
+        return wrong("--write-silhouettes: site_node has it, in a site of one process");
     auto rig = load_checked_rig(config);
     if (!rig) return tl::unexpected(rig.error());
     if (auto fits = site_node::check_hosts(config, *rig); !fits)

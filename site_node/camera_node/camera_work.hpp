@@ -41,6 +41,9 @@ public:
                                 const bus::SiteOrders& orders,
                                 const std::function<void()>& on_silhouette);
 
+    /// What was found in the last picture.
+    const site_node::PictureSilhouette& seen() const { return seen_; }
+
     /// Publishes that the picture of this time is lost.
     Expected<std::size_t> publish_lost(Timestamp capture_time, std::uint64_t clock_epoch);
 

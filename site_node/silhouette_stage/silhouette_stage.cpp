@@ -11,6 +11,14 @@
 
 namespace atrium::site_node {
 
+std::vector<std::vector<Eigen::Vector2d>> kept_outlines(const PictureSilhouette& silhouette) {
+    std::vector<std::vector<Eigen::Vector2d>> outlines;
+    for (std::size_t i = 0; i < silhouette.dropped.size(); ++i) {
+        if (silhouette.dropped[i] == 0) outlines.push_back(silhouette.outlines[i].vertices_px);
+    }
+    return outlines;
+}
+
 SilhouetteStage::SilhouetteStage(const geometry::CalibratedCamera& camera,
                                  const SilhouetteStageOptions& options,
                                  segmentation::Segmenter segmenter)

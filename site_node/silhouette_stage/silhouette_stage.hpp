@@ -37,6 +37,9 @@ struct PictureSilhouette {
     double polygons_ms = 0.0;
 };
 
+/// The outlines that became contours, in the delivered picture [px].
+std::vector<std::vector<Eigen::Vector2d>> kept_outlines(const PictureSilhouette& silhouette);
+
 /// Finds the silhouettes in successive pictures of one camera: picture, mask, contours. Not
 /// thread-safe; cameras are independent.
 class SilhouetteStage {

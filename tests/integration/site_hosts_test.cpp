@@ -362,6 +362,21 @@ TEST_F(SiteHosts, ALimitedRateHoldsForTheTexturesOfAllHosts) {
     EXPECT_LE(published.num_textures, 2 * 8 * published.num_complete);
 }
 
+TEST_F(SiteHosts, ACameraNodeShowsItsCameras) {
+    const fs::path file = folder_ / "preview.png";
+    auto command = command_of("right");
+    command.insert(command.end(), {"--preview", file.string()});
+    programs_["right"] = value(HostedProcess::start(command));
+    cv::Mat shown;
+    const cv::Size size(640, 480);  // two by two views of half that size
+    EXPECT_TRUE(test_support::comes_true([&] {
+        shown = fs::exists(file) ? cv::imread(file.string()) : cv::Mat();
+        return !shown.empty();
+    })) << programs_["right"]->output();
+    EXPECT_GE(shown.cols, size.width);
+    EXPECT_GE(shown.rows, size.height);
+}
+
 TEST_F(SiteHosts, SecondCameraNodeOfAHostIsRefused) {
     start_all();
     auto second = value(HostedProcess::start(command_of("left")));
