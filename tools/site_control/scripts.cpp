@@ -93,8 +93,10 @@ std::string status_script(const std::string& site, const std::vector<Program>& p
     std::string script = beginning(site);
     for (const Program& program : programs) {
         script += fmt::format(
-            "if runs {0}; then echo \"runs {0} $pid, for $(ps -o etimes= -p \"$pid\" | tr -d ' ') "
-            "s\"; "
+            // without `ps`: a bare Debian has none
+            "if runs {0}; then\n"
+            "  seconds=$(($(cut -d . -f 1 /proc/uptime) - began / $(getconf CLK_TCK)))\n"
+            "  echo \"runs {0} $pid, for $seconds s\"\n"
             "else echo \"does not run {0}\"; fi\n"
             "grep -E ' (warning|error) ' run/{0}.log 2>/dev/null | tail -n 1 | sed 's/^/  /'\n",
             program.name);
