@@ -44,7 +44,8 @@ def main():
         sys.exit(f"{given.program} --version names no version")
     whole = help_text.parse(run(given.program, "--help"))
     parts = {name: help_text.parse(run(given.program, name, "--help")) for name in whole.subcommands()}
-    names = roff.Names(program=os.path.basename(given.program), command=given.command, version=version.group())
+    # bin/atrium-site is a link to the program
+    names = roff.Names(program=os.path.basename(os.path.realpath(given.program)), command=given.command, version=version.group())
     write(given.page, roff.page(names, whole, parts))
     if given.completion:
         write(given.completion, bash.completion(given.command, whole, parts))

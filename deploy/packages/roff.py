@@ -20,7 +20,9 @@ def escape(text):
 
 def _installed(names, line):
     """A line of an example with the names and places of the installation."""
-    line = re.sub(r"(?:build/bin/)?\b(?:%s)\b(?= |$)" % re.escape(names.program), names.command, line)
+    # `site_control up` is atrium-up
+    program = "%s(?: %s)?" % (re.escape(names.program), re.escape(names.command.removeprefix("atrium-")))
+    line = re.sub(r"(?<![\w-])(?<!atrium )(?:build/bin/)?(?:%s)\b(?= |$)" % program, names.command, line)
     line = line.replace("build/bin/site_node", "atrium-site")
     return re.sub(r"(?<![\w/])deploy/", "/usr/share/atrium/", line)
 

@@ -127,6 +127,7 @@ TEST_P(Manual, HasExactlyTheOptionsOfHelp) {
     EXPECT_EQ(options_of_page(page), expected);
     EXPECT_THAT(page, AnyOf(HasSubstr(".SH EXIT STATUS"), HasSubstr("\nExit codes:")));
     EXPECT_THAT(page, Not(HasSubstr(test::source_dir()))) << "where it was built is no default";
+    EXPECT_THAT(page, HasSubstr(".SH SYNOPSIS\n.B atrium")) << "as it is installed";
 }
 
 TEST_P(Manual, CompletesExactlyTheOptionsOfHelp) {
