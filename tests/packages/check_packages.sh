@@ -1,5 +1,6 @@
 #!/bin/bash
-# Installs the packages of packages/ into a bare Debian 12, runs the demo there, upgrades, removes and purges them: docs/packages.md.
+# Installs the packages of packages/ into a bare Debian 12, runs the demo and a site on several hosts there, upgrades, removes and purges
+# them: docs/packages.md.
 # By hand, as root, after `make deb`; it takes some minutes and loads packages of Debian. BASE=FILE.tar uses a root made before:
 #   mmdebstrap --variant=minbase bookworm FILE.tar
 set -eu
@@ -8,6 +9,8 @@ cd "$(dirname "$0")/../.."
 ls packages/atrium-common_*.deb >/dev/null 2>&1 || { echo "check_packages: no packages in packages/; run make deb first" >&2; exit 3; }
 command -v mmdebstrap >/dev/null || { echo "check_packages: needs mmdebstrap; run deploy/install_packages.sh container" >&2; exit 3; }
 names="common site world viewer tools"
+commands=$(sed -n 's/^ *{*{"\([a-z]*\)", ".*/\1/p' tools/atrium/commands.cpp)
+[ "$(wc -w <<< "$commands")" -ge 15 ] || { echo "check_packages: tools/atrium/commands.cpp: its list of commands is not understood" >&2; exit 3; }
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -50,10 +53,15 @@ quietly inside "apt-get update -qq"
 install_all /first
 expect 'id atrium'
 expect 'test "$(stat -c "%a %U %G" /etc/atrium/keys)" = "750 root atrium"'
-for name in site world viewer demo monitor calibrate cameras hull; do
+for name in $commands; do
+    expect "atrium help | grep -q '^  $name '"
     expect "atrium $name --version"
-    expect "atrium-$name --version"
+    expect "atrium-$name --help"
     expect "test -s /usr/share/man/man1/atrium-$name.1.gz"
+    expect ". /usr/share/bash-completion/completions/atrium
+        COMP_WORDS=(atrium $name --versio) COMP_CWORD=2
+        _atrium
+        test \"\${COMPREPLY[*]}\" = --version"
 done
 expect 'cd /usr/share/atrium && atrium hull views/person.json -o /tmp/person.ply && test -s /tmp/person.ply'
 
@@ -70,6 +78,20 @@ say "the demo"
 cp debian/tests/demo "$root/root/demo"
 expect 'AUTOPKGTEST_TMP=/tmp /root/demo'
 grep "rate   ms" -A 4 "$work/log" | tail -n 5
+
+say "a site on several hosts"
+cp debian/tests/site-hosts "$root/root/site-hosts"
+expect 'AUTOPKGTEST_TMP=/tmp /root/site-hosts'
+grep " metaframes/s" "$work/log" | tail -n 1
+
+say "a site whose hosts do not answer"
+expect '! atrium status /usr/share/atrium/sites/hall.toml --patience 5 > /tmp/said 2>&1
+    for host in north east south west hull; do grep -q "^$host: .*ssh" /tmp/said; done'
+
+say "the doctor"
+expect 'atrium doctor --for site,world,viewer --network loopback --json > /tmp/found || [ $? -eq 1 ]
+    ! grep -E "program_missing|library_missing|versions_mixed" /tmp/found
+    grep -q "\"healthy\"" /tmp/found'
 
 say "upgrade: what the administrator edited or added stays"
 inside 'echo "# edited here" >> /etc/atrium/world.toml
@@ -96,7 +118,7 @@ expect 'test ! -e /etc/atrium/world.toml -a ! -e /var/lib/atrium -a ! -e /var/ca
 expect 'test -f /etc/atrium/sites/studio.toml -a -f /etc/atrium/keys/own.pem'
 
 say "install again, and purge without files of the administrator"
-inside 'rm -rf /etc/atrium /tmp/out /tmp/person.ply /tmp/.cache'
+inside 'rm -rf /etc/atrium /tmp/* /tmp/.cache'
 install_all /first
 quietly inside "dpkg --purge $all"
 left=$(find "$root" -xdev -name '*atrium*' -not -path "$root/first/*" -not -path "$root/second/*" -not -path "$root/var/cache/apt/*")
