@@ -85,6 +85,21 @@ std::string processor_ticks(int user, int idle) {
     return fmt::format("cpu  {} 0 0 {} 0 0 0 0 0 0\ncpu0 1 2 3 4 5 6 7 8 9 10\n", user, idle);
 }
 
+std::string tracking(double offset_s,
+                     double root_delay_s,
+                     double root_dispersion_s,
+                     double rms_offset_s,
+                     const std::string& source) {
+    return fmt::format(
+        "CB007105,{},3,1795844835.643459106,{:.9f},0.000000091,{:.9f},-0.011,0.002,0.089,{:.9f},"
+        "{:.9f},64.2,Normal\n",
+        source,
+        offset_s,
+        rms_offset_s,
+        root_delay_s,
+        root_dispersion_s);
+}
+
 std::string camera_table_of(const std::vector<std::pair<std::string, std::string>>& cameras) {
     std::vector<capture::FoundCamera> found;
     for (const auto& [address, serial] : cameras)

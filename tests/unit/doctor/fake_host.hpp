@@ -83,6 +83,13 @@ private:
 /// The processor's line of /proc/stat: ticks of user programs and of rest since the start.
 std::string processor_ticks(int user, int idle);
 
+/// What `chronyc -n -c tracking` prints; all in seconds.
+std::string tracking(double offset_s,
+                     double root_delay_s,
+                     double root_dispersion_s,
+                     double rms_offset_s = 1e-5,
+                     const std::string& source = "203.0.113.5");
+
 /// The table of `site_node --list-cameras` with these addresses and serials.
 std::string camera_table_of(const std::vector<std::pair<std::string, std::string>>& cameras);
 

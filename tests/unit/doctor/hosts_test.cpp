@@ -106,10 +106,58 @@ TEST(DoctorHosts, ThatRunTheWorldOnlyNeedNoEntry) {
 
 TEST(DoctorHosts, WantThePreciseClockOnlyInASite) {
     FakeHost host(hosts_folder("clock"));
-    host.kernel_clock.max_error_ms = 49.0;
+    host.outputs["chronyc -n -c tracking"] = {0, tracking(0.0, 0.08, 0.009)};
     EXPECT_FALSE(host.examine_json()->is_ill);
     EXPECT_FALSE(host.examine_json({.file = host.write_site()})->is_ill);
     EXPECT_TRUE(host.examine_json({.file = host.write_hosts()})->is_ill);
+}
+
+// The server in the LAN has its time from the Internet.
+TEST(DoctorHosts, OnlyHaveToAgree) {
+    FakeHost host(hosts_folder("agree"));
+    host.outputs["chronyc -n -c tracking"] = {0, tracking(1e-5, 0.04, 0.009, 1e-5, "10.0.0.7")};
+    EXPECT_FALSE(host.examine_json({.file = host.write_hosts()})->is_ill);
+}
+
+TEST(DoctorHosts, MayBeTheTimeServerOfTheOthers) {
+    FakeHost host(hosts_folder("time_server"));
+    host.outputs["chronyc -n -c tracking"] = {0, tracking(1e-5, 0.04, 0.009)};
+    EXPECT_TRUE(host.examine_json({.file = host.write_hosts()})->is_ill);
+    for (const char* file : {"/etc/chrony/chrony.conf", "/etc/chrony/conf.d/lab.conf"}) {
+        host.write(file, "pool 2.debian.pool.ntp.org iburst\n# allow\n allow 10.0.0.0/24\n");
+        EXPECT_FALSE(host.examine_json({.file = host.write_hosts()})->is_ill) << file;
+        host.remove(file);
+    }
+}
+
+// The kernel's figure grows until the daemon asks its time server again.
+TEST(Clock, IsNotWrongBetweenTheAnswersOfItsServer) {
+    FakeHost host(hosts_folder("answers"));
+    host.remove("/proc/700");
+    host.add_process(710, "systemd-timesyn");
+    host.kernel_clock.max_error_ms = 0.5 * 2048;
+    EXPECT_FALSE(host.examine_json()->is_ill);
+}
+
+TEST(Clock, SurvivesHostileChrony) {
+    FakeHost host(hosts_folder("hostile_chrony"));
+    const std::string commas = "a,10.0.0.7,3,4";
+    for (const std::string& text : {std::string(),
+                                    std::string("\n"),
+                                    std::string(13, ','),
+                                    commas + ",nan,5,nan,7,8,9,nan,nan,12,Normal",
+                                    commas + ",1e999,5,inf,7,8,9,-inf,1e308,12,Normal",
+                                    commas + ",1e308,5,1e308,7,8,9,1e308,1e308,12,Normal",
+                                    commas + ",0.1x,5,6,7,8,9,10,11,12,Normal",
+                                    commas + ",99,5,6,7,8,9,10,11,12",
+                                    commas + ",99,5,6,7,8,9,10,11,12,Normal\nand more\n"}) {
+        host.outputs["chronyc -n -c tracking"] = {0, text};
+        const auto report = host.examine_json({.file = host.write_hosts()});
+        ASSERT_TRUE(report) << text;
+        EXPECT_FALSE(report->is_ill) << text << report->text;
+    }
+    host.outputs["chronyc -n -c tracking"] = {1, tracking(9.0, 9.0, 9.0)};
+    EXPECT_FALSE(host.examine_json()->is_ill) << "506 Cannot talk to daemon";
 }
 
 TEST(DoctorHosts, MayBeSimulated) {

@@ -33,17 +33,41 @@ std::vector<Fault> clock_faults() {
              "sudo systemctl restart systemd-timesyncd"},
             {"ClockErrorLarge",
              "clock_error_large",
-             [](FakeHost& host, Options&) { host.kernel_clock.max_error_ms = 51.2; },
+             [](FakeHost& host, Options&) {
+                 host.outputs["chronyc -n -c tracking"] = {0, tracking(-0.0012, 0.09, 0.005)};
+             },
              "wrong by 51.2 ms; a latency between hosts wants 50 ms",
+             "/etc/chrony/sources.d/atrium.sources && sudo chronyc reload sources"},
+            {"ClockErrorLargeByTheKernel",
+             "clock_error_large",
+             [](FakeHost& host, Options&) { host.kernel_clock.max_error_ms = 1100.0; },
+             "wrong by 1.1e+03 ms; a latency between hosts wants 50 ms",
              "/etc/chrony/sources.d/atrium.sources && sudo chronyc reload sources"},
             {"ClockErrorLargeForTriggers",
              "clock_error_large",
              [](FakeHost& host, Options& options) {
                  options.file = host.write_hosts();
-                 host.kernel_clock.max_error_ms = 2.1;
+                 host.outputs["chronyc -n -c tracking"] = {0, tracking(0.0001, 0.004, 0.0, 0.002)};
              },
              "wrong by 2.1 ms; a host of a site on several hosts, whose cameras trigger by it, "
              "wants 2 ms",
+             "/etc/chrony/sources.d/atrium.sources && sudo chronyc reload sources"},
+            {"ClockDiffersFromTheServerInTheLan",
+             "clock_error_large",
+             [](FakeHost& host, Options& options) {
+                 options.file = host.write_hosts();
+                 host.outputs["chronyc -n -c tracking"] = {
+                     0, tracking(0.0001, 0.0, 0.0, 0.001, "10.0.0.7")};
+             },
+             "wrong by 3.1 ms; a host of a site on several hosts",
+             "/etc/chrony/sources.d/atrium.sources && sudo chronyc reload sources"},
+            {"ClockErrorLargeForTriggersByTheKernel",
+             "clock_error_large",
+             [](FakeHost& host, Options& options) {
+                 options.file = host.write_hosts();
+                 host.kernel_clock.max_error_ms = 2.3;
+             },
+             "wrong by 2.3 ms; a host of a site on several hosts",
              "/etc/chrony/sources.d/atrium.sources && sudo chronyc reload sources"},
             {"TwoTimeDaemons",
              "two_time_daemons",

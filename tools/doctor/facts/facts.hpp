@@ -96,9 +96,19 @@ struct User {
     bool has_sys_nice = false;
 };
 
+/// What chronyd knows of its clock.
+struct ChronyFacts {
+    std::string source;       // address of the time server; empty: none
+    double bound_ms = 0.0;    // of the error to the true time
+    double follows_ms = 0.0;  // difference to the time server, three sigma
+};
+
 struct ClockFacts {
     std::optional<bool> is_synchronised;
+    // of the kernel: what the daemon said last, and 0.5 ms for each second since then
     double max_error_ms = 0.0;
+    std::optional<ChronyFacts> chrony;
+    bool serves_others = false;        // chronyd gives its time to other hosts
     std::vector<std::string> daemons;  // that set this clock, as their processes are named
 };
 

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <map>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -162,6 +165,43 @@ void read_memory(const System& system, LoadFacts& load) {
         load.swap_used = bytes["SwapTotal:"] - bytes["SwapFree:"];
 }
 
+// `chronyc -c tracking`: one line of fields. The bound is that of its manual.
+std::optional<ChronyFacts> parse_tracking(const std::string& line) {
+    constexpr std::size_t kNumFields = 14;
+    constexpr double kMs_per_s = 1e3;
+    std::vector<std::string> fields;
+    std::istringstream stream(line);
+    for (std::string field; std::getline(stream, field, ',');) fields.push_back(std::move(field));
+    if (fields.size() != kNumFields) return std::nullopt;
+    const auto ms = [&](std::size_t field) {
+        const char* const end = fields[field].data() + fields[field].size();
+        double value = 0.0;
+        const auto [last, failure] = std::from_chars(fields[field].data(), end, value);
+        return failure == std::errc() && last == end ? kMs_per_s * std::abs(value) : NAN;
+    };
+    const double offset = ms(4);
+    const ChronyFacts facts{fields[1], offset + 0.5 * ms(10) + ms(11), offset + 3.0 * ms(6)};
+    if (!std::isfinite(facts.bound_ms) || !std::isfinite(facts.follows_ms)) return std::nullopt;
+    return facts;
+}
+
+void read_chrony(const System& system, ClockFacts& facts) {
+    if (const auto output = system.run({"chronyc", "-n", "-c", "tracking"});
+        output && output->exit_code == 0) {
+        const auto lines = lines_of(output->text);
+        if (lines.size() == 1) facts.chrony = parse_tracking(lines.front());
+    }
+    std::vector<std::string> files{"/etc/chrony/chrony.conf"};
+    const std::string folder = "/etc/chrony/conf.d/";
+    for (const std::string& name : system.names_in(folder)) files.push_back(folder + name);
+    for (const std::string& file : files) {
+        for (const std::string& line : lines_of(system.read(file).value_or(""))) {
+            const std::vector<std::string> words = words_of(line);
+            facts.serves_others |= !words.empty() && words[0] == "allow";
+        }
+    }
+}
+
 }  // namespace
 
 std::string host_name(const System& system) {
@@ -197,6 +237,7 @@ ClockFacts collect_clock(const System& system) {
         if (command.find("ntpshm") != std::string::npos) continue;
         facts.daemons.push_back(process.name);
     }
+    if (is_one_of(facts.daemons, "chronyd")) read_chrony(system, facts);
     return facts;
 }
 

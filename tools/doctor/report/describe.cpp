@@ -76,7 +76,7 @@ std::string describe_clock(const ClockFacts& clock) {
     if (!clock.is_synchronised) return "unknown, " + daemons;
     return fmt::format("{}, error at most {:.3g} ms, {}",
                        *clock.is_synchronised ? "synchronised" : "not synchronised",
-                       clock.max_error_ms,
+                       clock.chrony ? clock.chrony->bound_ms : clock.max_error_ms,
                        daemons);
 }
 
