@@ -61,7 +61,7 @@ void reject(TakeReport& report, const Error& why) {
 
 template <typename Message>
 Expected<Writer<Message>> Writer<Message>::create(const Participant& participant,
-                                                   const std::string& part) {
+                                                  const std::string& part) {
     auto impl = std::make_shared<Impl>();
     impl->participant = participant.impl();
     auto topic = create_topic<Message>(*impl->participant);
@@ -70,19 +70,19 @@ Expected<Writer<Message>> Writer<Message>::create(const Participant& participant
     const auto& profile = impl->participant->profiles.find(Topic<Message>::kProfile)->second;
     const std::string partition = impl->participant->partition(part);
     if (!part.empty()) {
-        auto publisher = own(dds_create_publisher(impl->participant->participant.get(),
-                                                  partition_qos(partition).get(),
-                                                  nullptr),
-                             "a publisher");
+        auto publisher =
+            own(dds_create_publisher(
+                    impl->participant->participant.get(), partition_qos(partition).get(), nullptr),
+                "a publisher");
         if (!publisher) return tl::unexpected(publisher.error());
         impl->publisher = std::move(*publisher);
     }
-    auto writer = own(dds_create_writer(part.empty() ? impl->participant->publisher.get()
-                                                     : impl->publisher.get(),
-                                        impl->topic.get(),
-                                        make_writer_qos(profile.writer).get(),
-                                        nullptr),
-                      fmt::format("a writer of {}", Topic<Message>::kName));
+    auto writer = own(
+        dds_create_writer(part.empty() ? impl->participant->publisher.get() : impl->publisher.get(),
+                          impl->topic.get(),
+                          make_writer_qos(profile.writer).get(),
+                          nullptr),
+        fmt::format("a writer of {}", Topic<Message>::kName));
     if (!writer) return tl::unexpected(writer.error());
     impl->writer = std::move(*writer);
     impl->watched = impl->participant->peers.watch({Topic<Message>::kName,
@@ -148,7 +148,7 @@ int Writer<Message>::num_readers() const {
 
 template <typename Message>
 Expected<Reader<Message>> Reader<Message>::create(const Participant& participant,
-                                                   const std::string& part) {
+                                                  const std::string& part) {
     auto impl = std::make_shared<Impl>();
     impl->participant = participant.impl();
     auto topic = create_topic<Message>(*impl->participant);
@@ -157,10 +157,10 @@ Expected<Reader<Message>> Reader<Message>::create(const Participant& participant
     const auto& profile = impl->participant->profiles.find(Topic<Message>::kProfile)->second;
     const std::string partition = impl->participant->partition(part);
     if (!part.empty()) {
-        auto subscriber = own(dds_create_subscriber(impl->participant->participant.get(),
-                                                    partition_qos(partition).get(),
-                                                    nullptr),
-                              "a subscriber");
+        auto subscriber =
+            own(dds_create_subscriber(
+                    impl->participant->participant.get(), partition_qos(partition).get(), nullptr),
+                "a subscriber");
         if (!subscriber) return tl::unexpected(subscriber.error());
         impl->subscriber = std::move(*subscriber);
     }

@@ -295,7 +295,14 @@ struct SavedWorlds {
     std::vector<SavedWorld> worlds;
 };
 
-enum class ProgramKind : std::uint8_t { kSiteNode, kWorldServer, kViewer, kOther, kCameraNode, kRegionNode };
+enum class ProgramKind : std::uint8_t {
+    kSiteNode,
+    kWorldServer,
+    kViewer,
+    kOther,
+    kCameraNode,
+    kRegionNode
+};
 
 /// A process present in the world. Transient local, at its start and every ten seconds.
 struct Presence {

@@ -274,8 +274,7 @@ Expected<void> MeshDecoder::decode(std::span<const std::uint8_t> bytes,
         if (auto read = decode(bytes.first(size), left, state_->part); !read) return read;
         bytes = bytes.subspan(size);
         geometry::append(out, state_->part);
-        left.max_vertices =
-            limits.max_vertices - static_cast<std::uint32_t>(out.vertices.size());
+        left.max_vertices = limits.max_vertices - static_cast<std::uint32_t>(out.vertices.size());
         left.max_triangles =
             limits.max_triangles - static_cast<std::uint32_t>(out.triangles.size());
     }

@@ -134,10 +134,10 @@ private:
     }
     template <typename Wire>
     void fill_elements(std::vector<std::uint32_t>& sizes, ContourSizes limit) {
-        sizes.resize(limit.counts == nullptr
-                         ? below(std::min<std::size_t>(limit.max, 8))
-                         : std::accumulate(
-                               limit.counts->begin(), limit.counts->end(), std::size_t{0}));
+        sizes.resize(
+            limit.counts == nullptr
+                ? below(std::min<std::size_t>(limit.max, 8))
+                : std::accumulate(limit.counts->begin(), limit.counts->end(), std::size_t{0}));
         for (std::uint32_t& size : sizes) size = static_cast<std::uint32_t>(below(40));
     }
     template <typename Wire>
