@@ -1,5 +1,6 @@
 #include "site_node/config.hpp"
 
+#include "core/base/fnv1a.hpp"
 #include "core/bus/bus_options.hpp"
 #include "core/config/rig.hpp"
 #include "core/presence/membership.hpp"
@@ -290,6 +291,14 @@ Expected<void> check_hosts(const SiteNodeConfig& config, const config::Rig& rig)
                         fmt::join(sharing, " and "),
                         config.capture.source));
     return hosts::check_hosts(config.hosts, rig, regions, config.name);
+}
+
+std::uint64_t hull_settings(const SiteNodeConfig& config, const config::Rig& rig) {
+    Fnv1a hash;
+    hash.add(config::fingerprint(rig));
+    hash.add(fingerprint(config.pipeline.hull));
+    hash.add_rounded(config.pipeline.silhouette.tolerance_px);
+    return hash.value();
 }
 
 int default_threads() {

@@ -62,6 +62,10 @@ std::string own_host(const SiteNodeConfig& config);
 /// hosts::check_hosts for this configuration.
 Expected<void> check_hosts(const SiteNodeConfig& config, const config::Rig& rig);
 
+/// Of the rig and all options on which the hulls of regions depend: hosts that differ in it must
+/// not compute for each other.
+std::uint64_t hull_settings(const SiteNodeConfig& config, const config::Rig& rig);
+
 /// The number of threads that `threads = 0` stands for: all cores but one, at least one.
 int default_threads();
 

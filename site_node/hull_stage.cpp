@@ -1,5 +1,6 @@
 #include "site_node/hull_stage.hpp"
 
+#include "core/base/fnv1a.hpp"
 #include "core/bus/limits.hpp"
 #include "core/config/rig.hpp"
 #include "site_node/hull/field_of_view.hpp"
@@ -85,6 +86,27 @@ Expected<void> check(const HullStageOptions& options) {
         return wrong(options, "hull.whole_cameras", "is used only with hull.partial_views = true");
     }
     return {};
+}
+
+std::uint64_t fingerprint(const HullStageOptions& options) {
+    Fnv1a hash;
+    const auto add_box = [&](const geometry::Aabb& box) {
+        for (const double value : box.min) hash.add_rounded(value);
+        for (const double value : box.max) hash.add_rounded(value);
+    };
+    if (options.bounds) add_box(*options.bounds);
+    hash.add(std::uint64_t{options.min_views});
+    hash.add(std::uint64_t{options.keep_phantoms ? 1U : 0U});
+    hash.add_rounded(options.min_component_l);
+    hash.add(std::uint64_t{options.partial_views ? 1U : 0U});
+    for (const std::string& name : options.whole_cameras) hash.add(name);
+    for (const RegionOptions& region : options.regions) {
+        hash.add(region.name);
+        add_box(region.bounds);
+        for (const std::string& name : region.cameras) hash.add(name);
+        hash.add(std::uint64_t{0x101});
+    }
+    return hash.value();
 }
 
 std::vector<std::string> overlapping_regions(std::span<const RegionOptions> regions) {

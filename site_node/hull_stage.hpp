@@ -49,6 +49,9 @@ struct HullStageOptions {
 /// known.
 Expected<void> check(const HullStageOptions& options);
 
+/// The same where the same hulls come of the same contours and rig, on any host.
+std::uint64_t fingerprint(const HullStageOptions& options);
+
 /// Returns "a and b" for each pair of regions that share space: people there appear twice in the
 /// mesh.
 std::vector<std::string> overlapping_regions(std::span<const RegionOptions> regions);

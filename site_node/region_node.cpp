@@ -30,17 +30,18 @@ bus::LatencySummary summary(const LatencyWindow& window) {
 }
 
 // The regions of this host, with the cameras of the whole site.
-Expected<RegionWork> own_work(const SiteNodeConfig& config, const hosts::HostEntry& own) {
+Expected<RegionWork> own_work(SiteNodeConfig config, const hosts::HostEntry& own) {
     const auto rig = load_checked_rig(config);
     if (!rig) return tl::unexpected(rig.error());
     if (auto fits = check_hosts(config, *rig); !fits) return tl::unexpected(fits.error());
-    HullStageOptions options = config.pipeline.hull;
+    HullStageOptions& options = config.pipeline.hull;
     take_bounds(*rig, options);
     for (RegionOptions& region : options.regions)
         region.is_elsewhere = std::ranges::find(own.regions, region.name) == own.regions.end();
     auto hull = HullStage::create(rig->cameras, options, config.pipeline.silhouette.tolerance_px);
     if (!hull) return tl::unexpected(hull.error());
-    return RegionWork(rig->cameras, std::move(*hull), config.pipeline.mesh);
+    return RegionWork(
+        rig->cameras, std::move(*hull), config.pipeline.mesh, hull_settings(config, *rig));
 }
 
 }  // namespace
@@ -174,6 +175,7 @@ void RegionNode::answer(const bus::RegionOrder& order) {
     }
     const auto end = Clock::now();
     if (!done) complaints_.warn("not answered: " + done.error().message);
+    if (done && !answer_.reason.empty()) complaints_.warn("region failed: " + answer_.reason);
     const std::lock_guard lock(mutex_);
     if (!done || !answer_.reason.empty()) ++status_.num_failed;
     if (!done) return;

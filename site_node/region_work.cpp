@@ -28,10 +28,12 @@ bus::LeftOutTotals left_out_of(const hull::VisualHull& hull) {
 
 RegionWork::RegionWork(std::vector<geometry::CalibratedCamera> cameras,
                        HullStage hull,
-                       const codec::MeshCodecOptions& options)
+                       const codec::MeshCodecOptions& options,
+                       std::uint64_t settings)
     : cameras_(std::move(cameras)),
       hull_(std::move(hull)),
-      meshes_(hull_.regions().size(), options) {
+      meshes_(hull_.regions().size(), options),
+      settings_(settings) {
     for (std::uint32_t i = 0; i < hull_.regions().size(); ++i) {
         if (!hull_.regions()[i].is_elsewhere) regions_.push_back(i);
     }
@@ -62,9 +64,25 @@ Expected<void> RegionWork::take(const bus::RegionOrder& order) {
     return {};
 }
 
+// Silhouettes of another rig would give a wrong hull without a sign of it.
+void RegionWork::refuse(bus::RegionMeshes& answer) const {
+    answer.hull_ms = answer.mesh_ms = 0.0;
+    answer.left_out = {};
+    answer.left_out.num_regions_failed = regions_.size();
+    answer.reason =
+        "its rig or [hull] differs from that of the model part: copy the site's file and its rig "
+        "to "
+        "all hosts, and start their programs anew";
+    answer.regions.clear();
+    answer.draco.clear();
+    for (const std::uint32_t region : regions_)
+        answer.regions.push_back({region, bus::RegionOutcome::kFailed, 0});
+}
+
 Expected<void> RegionWork::compute(const bus::RegionOrder& order,
                                    Executor& executor,
                                    bus::RegionMeshes& answer) {
+    if (order.settings != settings_) return refuse(answer), Expected<void>();
     if (auto taken = take(order); !taken) return taken;
     const auto hull_begin = Clock::now();
     hull_.compute(delivered_, executor, whole_);

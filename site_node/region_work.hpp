@@ -16,26 +16,31 @@ namespace atrium::site_node {
 /// mesh coding of the pipeline: the same bytes as in a site of one process. Uses no network.
 class RegionWork {
 public:
-    /// `hull` computes the regions of this host; all others are elsewhere.
+    /// `hull` computes the regions of this host; all others are elsewhere. `settings` as in
+    /// bus::RegionOrder.
     RegionWork(std::vector<geometry::CalibratedCamera> cameras,
                HullStage hull,
-               const codec::MeshCodecOptions& options);
+               const codec::MeshCodecOptions& options,
+               std::uint64_t settings);
 
     std::size_t num_regions() const { return regions_.size(); }
 
-    /// Fills all but site, host and frame. Regions without a hull are marked as failed. Error
-    /// kInvalidData if the order has cameras that the rig lacks.
+    /// Fills all but site, host and frame. Regions without a hull are marked as failed, and all of
+    /// them if the order has other settings. Error kInvalidData if it has cameras that the rig
+    /// lacks.
     Expected<void> compute(const bus::RegionOrder& order,
                            Executor& executor,
                            bus::RegionMeshes& answer);
 
 private:
     Expected<void> take(const bus::RegionOrder& order);
+    void refuse(bus::RegionMeshes& answer) const;
 
     std::vector<geometry::CalibratedCamera> cameras_;
     HullStage hull_;
     std::vector<std::uint32_t> regions_;  // of this host
     MeshCoding meshes_;                   // one of each region of the site
+    std::uint64_t settings_;
     std::vector<std::uint8_t> delivered_;
     hull::VisualHull whole_;
 };

@@ -111,6 +111,7 @@ Expected<std::unique_ptr<hosts::RegionHosts>> open_region_hosts(
     options.site = config.name;
     options.period =
         std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / metaframe_rate_hz(config, rig)));
+    options.settings = hull_settings(config, rig);
     for (const hull::Region& region : hull.regions()) options.cameras.push_back(region.views);
     for (const hosts::HostEntry& host : config.hosts) {
         hosts::RegionHost computes{host.name, {}};

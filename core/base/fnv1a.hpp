@@ -1,8 +1,10 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace atrium {
 
@@ -12,6 +14,14 @@ class Fnv1a {
 public:
     /// Adds a byte. Larger numbers are mixed in as one value, not byte by byte.
     void add(std::uint64_t value) { hash_ = (hash_ ^ value) * 1099511628211ULL; }
+    /// Adds a number rounded to single precision: its last digits may differ between processors.
+    void add_rounded(double value) {
+        add(std::bit_cast<std::uint32_t>(static_cast<float>(value) + 0.0F));
+    }
+    void add(std::string_view text) {
+        for (const char c : text) add(static_cast<std::uint64_t>(static_cast<unsigned char>(c)));
+        add(std::uint64_t{0x100});  // the end: no character
+    }
     std::uint64_t value() const { return hash_; }
 
 private:

@@ -16,6 +16,7 @@ void fields(auto& v, Of<CameraSilhouette> auto& m, auto& w) {
     v(m.frame_id, w.frame_id);
     v("CameraSilhouette.capture_time", m.capture_time, w.capture_time_ns);
     v(m.clock_epoch, w.clock_epoch);
+    v(m.rig, w.rig);
     v("CameraSilhouette.has_picture", m.has_picture, w.has_picture);
     v("CameraSilhouette.has_texture", m.has_texture, w.has_texture);
     v("CameraSilhouette.is_view_shifted", m.is_view_shifted, w.is_view_shifted);
@@ -59,6 +60,7 @@ void fields(auto& v, Of<RegionOrder> auto& m, auto& w) {
     v.key("RegionOrder.host", m.host, w.host, Text::kName);
     v(m.number, w.number);
     v(m.frame_id, w.frame_id);
+    v(m.settings, w.settings);
     v("RegionOrder.cameras", m.cameras, w.cameras, CameraSet{});
     const ContourCounts counts{m.cameras.size()};
     v("RegionOrder.contour_counts", m.contour_counts, w.contour_counts, counts);

@@ -23,6 +23,7 @@ struct CameraSilhouette {
     std::uint64_t frame_id = 0;     // of the CameraTexture of this picture, with `capture_time`
     Timestamp capture_time;         // on the clock of that host
     std::uint64_t clock_epoch = 0;  // changes when that clock is set
+    std::uint64_t rig = 0;          // fingerprint of the host's rig
     bool has_picture = false;       // false: the picture of this time is lost
     bool has_texture = false;       // a CameraTexture of this picture follows
     bool is_view_shifted = false;   // the picture shows the learned room shifted
@@ -73,7 +74,8 @@ struct RegionOrder {
     std::string host;          // that computes
     std::uint64_t number = 0;  // of the order to this host
     std::uint64_t frame_id = 0;
-    std::vector<std::uint32_t> cameras;              // that have a picture
+    std::uint64_t settings = 0;          // fingerprint of the rig and of all that hulls depend on
+    std::vector<std::uint32_t> cameras;  // that have a picture
     std::vector<std::uint32_t> contour_counts;       // of each of these cameras
     std::vector<std::uint32_t> contour_sizes;        // vertices of each contour
     std::vector<std::array<double, 2>> vertices_px;  // of all contours in turn, undistorted

@@ -90,7 +90,7 @@ void fields(auto& v, Of<ProcessorUse> auto& m, auto& w) {
 void fields(auto& v, Of<HostStatus> auto& m, auto& w) {
     const Range offset = within(kMaxStatistic);
     v("SiteStatus.hosts.name", m.name, w.name, Text::kName);
-    v("SiteStatus.hosts.state", m.state, w.state, Last{HostState::kLate});
+    v("SiteStatus.hosts.state", m.state, w.state, Last{HostState::kOtherRig});
     v("SiteStatus.hosts.clock_offset_ms", m.clock_offset_ms, w.clock_offset_ms, offset);
     v("SiteStatus.hosts.clock_error_ms", m.clock_error_ms, w.clock_error_ms, kStatistic);
     v(m.num_cameras, w.num_cameras);

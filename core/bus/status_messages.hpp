@@ -105,7 +105,14 @@ struct RigCoherence {
     bool operator==(const RigCoherence&) const = default;
 };
 
-enum class HostState : std::uint8_t { kMissing, kInUse, kClockUnknown, kClockWrong, kLate };
+enum class HostState : std::uint8_t {
+    kMissing,
+    kInUse,
+    kClockUnknown,
+    kClockWrong,
+    kLate,
+    kOtherRig
+};
 
 /// One host of a site on several: its cameras, or the regions whose hulls it computes.
 struct HostStatus {

@@ -1,5 +1,6 @@
 #include "core/config/rig.hpp"
 
+#include "core/base/fnv1a.hpp"
 #include "core/config/table_reader.hpp"
 #include "core/geometry/alignment.hpp"
 
@@ -145,6 +146,23 @@ bool is_valid_name(const std::string& name) {
            std::all_of(name.begin(), name.end(), [](unsigned char c) {
                return std::isalnum(c) != 0 || c == '_' || c == '.' || c == '-';
            });
+}
+
+std::uint64_t fingerprint(const Rig& rig) {
+    Fnv1a hash;
+    for (const geometry::CalibratedCamera& camera : rig.cameras) {
+        const geometry::PinholeCamera& lens = camera.intrinsics;
+        hash.add(camera.name);
+        hash.add(static_cast<std::uint64_t>(lens.width));
+        hash.add(static_cast<std::uint64_t>(lens.height));
+        for (const double value : {lens.fx, lens.fy, lens.cx, lens.cy, lens.skew})
+            hash.add_rounded(value);
+        for (const double value : lens.distortion) hash.add_rounded(value);
+        for (const double value : camera.camera_from_site.rotation.coeffs())
+            hash.add_rounded(value);
+        for (const double value : camera.camera_from_site.translation) hash.add_rounded(value);
+    }
+    return hash.value();
 }
 
 Expected<Rig> load_rig(const std::filesystem::path& path) {

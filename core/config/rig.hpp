@@ -4,6 +4,7 @@
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/pinhole_camera.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -30,6 +31,9 @@ struct Rig {
 /// orthonormalised). Converts lengths of its `units` to metres. `path` is the file, or a folder
 /// that contains rig.toml.
 Expected<Rig> load_rig(const std::filesystem::path& path);
+
+/// The same for equal cameras, on any host: names, sizes, lenses and poses, to single precision.
+std::uint64_t fingerprint(const Rig& rig);
 
 /// True for a valid name of a site, camera, world or sender: 1..63 characters of [A-Za-z0-9_.-].
 bool is_valid_name(const std::string& name);

@@ -76,6 +76,11 @@ Figures::Alarm alarm_of(const bus::HostStatus& host) {
             return {what + ": its clock is not known",
                     "atrium doctor there",
                     "the network delays the measurement of its clock, or it just came"};
+        case bus::HostState::kOtherRig:
+            return {what + ": its rig is another one",
+                    "copy the rig there",
+                    "copy the site's file and its rig from this host to all hosts, and start their "
+                    "programs anew"};
         case bus::HostState::kLate:
             if (host.num_regions > 0)
                 return {what + ": its meshes come too late",
@@ -274,6 +279,8 @@ const char* name_of(bus::HostState state) {
             return "clock_wrong";
         case bus::HostState::kLate:
             return "too_late";
+        case bus::HostState::kOtherRig:
+            return "other_rig";
         default:
             return "missing";
     }

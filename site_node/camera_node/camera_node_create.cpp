@@ -166,6 +166,7 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
         camera->work = std::make_unique<CameraWork>(config.name,
                                                     name,
                                                     indices[i],
+                                                    config::fingerprint(rig),
                                                     std::move((*stages)[i]),
                                                     config.pipeline.texture,
                                                     std::move(*writers));

@@ -9,6 +9,7 @@ namespace atrium::camera_node {
 CameraWork::CameraWork(std::string site,
                        std::string host,
                        std::uint32_t camera,
+                       std::uint64_t rig,
                        std::optional<site_node::SilhouetteStage> stage,
                        const texture::TextureOptions& options,
                        Writers writers)
@@ -16,6 +17,7 @@ CameraWork::CameraWork(std::string site,
     message_.site = std::move(site);
     message_.host = std::move(host);
     message_.camera = camera;
+    message_.rig = rig;
 }
 
 Expected<CameraWork::Published> CameraWork::process(capture::CameraFrame& frame,
@@ -58,6 +60,7 @@ Expected<std::size_t> CameraWork::publish_lost(Timestamp capture_time, std::uint
     lost.site = message_.site;
     lost.host = message_.host;
     lost.camera = message_.camera;
+    lost.rig = message_.rig;
     lost.capture_time = capture_time;
     lost.clock_epoch = clock_epoch;
     return writers_.silhouettes.write(lost);

@@ -23,9 +23,11 @@ public:
     };
 
     /// `camera`: index in the rig of the site. Without `stage` all its pictures count as lost.
+    /// `rig`: fingerprint of that rig.
     CameraWork(std::string site,
                std::string host,
                std::uint32_t camera,
+               std::uint64_t rig,
                std::optional<site_node::SilhouetteStage> stage,
                const texture::TextureOptions& options,
                Writers writers);

@@ -125,6 +125,7 @@ void HostTable::add(bus::CameraSilhouette silhouette,
     }
     host->last_heard = arrival;
     host->epoch = silhouette.clock_epoch;
+    host->has_our_rig = silhouette.rig == options_.rig;
     enter(*host, judge(*host, arrival), arrival);
     const bool knows_clock =
         host->state == bus::HostState::kInUse || host->state == bus::HostState::kLate;
@@ -174,6 +175,7 @@ void HostTable::forget_clocks() {
 bus::HostState HostTable::judge(Host& host, Time now) const {
     using State = bus::HostState;
     if (!host.last_heard || now - *host.last_heard > silence()) return State::kMissing;
+    if (!host.has_our_rig) return State::kOtherRig;
     const auto clock = host.clocks.find(host.epoch);
     const auto estimate = clock == host.clocks.end() ? std::nullopt : clock->second.estimate(now);
     if (!estimate || estimate->error > options_.period / 8) return State::kClockUnknown;
@@ -224,6 +226,10 @@ std::string HostTable::why(const Host& host) const {
         case bus::HostState::kClockUnknown:
             return "reason=\"its clock is not measured yet, or the network delays the measurement "
                    "by more than a quarter of the period\"";
+        case bus::HostState::kOtherRig:
+            return "reason=\"its rig has other cameras, lenses or poses than this host's\" "
+                   "advice=\"copy the site's file and its rig to all hosts, and start camera_node "
+                   "there anew\"";
         case bus::HostState::kLate:
             return fmt::format(
                 "reason=\"its silhouettes come {:.0f} ms after their pictures, later than "

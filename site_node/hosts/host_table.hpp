@@ -20,6 +20,7 @@ namespace atrium::hosts {
 struct HostTableOptions {
     std::chrono::nanoseconds period{};    // between two instants of the site
     std::chrono::nanoseconds deadline{};  // how long a metaframe waits for pictures
+    std::uint64_t rig = 0;                // config::fingerprint of this host's rig
 };
 
 /// Decides which camera nodes' silhouettes become part of metaframes, and when they were captured
@@ -66,6 +67,7 @@ private:
         HostEntry entry;
         std::map<std::uint64_t, HostClock> clocks;  // per epoch of its clock
         std::uint64_t epoch = 0;                    // of its last silhouette
+        bool has_our_rig = true;                    // by its last silhouette
         std::optional<Time> last_heard;
         std::deque<std::chrono::nanoseconds> delays;  // of the last pictures
         HostClock::Estimate clock;                    // if it has one

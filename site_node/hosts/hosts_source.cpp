@@ -24,7 +24,8 @@ std::vector<std::string> camera_names(const config::Rig& rig) {
 
 HostTableOptions table_options(const config::Rig& rig, const HostsSourceOptions& options) {
     return {std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rig.rate_hz)),
-            options.deadline};
+            options.deadline,
+            config::fingerprint(rig)};
 }
 
 }  // namespace

@@ -80,6 +80,7 @@ void RegionHosts::order(std::uint64_t frame_id,
         order.host = options_.hosts[i].name;
         order.number = num_orders_;
         order.frame_id = frame_id;
+        order.settings = options_.settings;
         for (const std::uint32_t camera : cameras_[i]) {
             if (delivered[camera] != 0) add_camera(camera, views[camera].contours, order);
         }
@@ -154,6 +155,13 @@ std::vector<bus::RegionMeshes> RegionHosts::collect(std::uint64_t frame_id) {
     std::vector<bus::RegionMeshes> all;
     for (std::size_t i = 0; i < answers.size(); ++i)
         all.push_back(answers[i] ? std::move(*answers[i]) : without_answer(i, frame_id));
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+        if (answers[i] && !all[i].reason.empty())
+            complaints_.warn(fmt::format("regions_failed host={} failed={} reason=\"{}\"",
+                                         all[i].host,
+                                         all[i].left_out.num_regions_failed,
+                                         all[i].reason));
+    }
     return all;
 }
 

@@ -23,6 +23,7 @@ struct RegionHostsOptions {
     /// Per region the cameras that watch it, indices into the rig.
     std::vector<std::vector<std::uint32_t>> cameras;
     std::chrono::nanoseconds period{};  // between two instants of the site
+    std::uint64_t settings = 0;         // as in bus::RegionOrder
 };
 
 /// Hands the silhouettes of each metaframe to the hosts that compute regions, and collects their

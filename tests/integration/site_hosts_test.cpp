@@ -302,6 +302,29 @@ TEST_F(SiteWithRegions, HostOfARegionThatStandsStillIsNamedAndComesBack) {
     EXPECT_TRUE(hull_says("host_in_use host=help", from));
 }
 
+// A rig of before a calibration on one host: its hulls and silhouettes would be wrong silently.
+TEST_F(SiteWithRegions, HostsWithAnotherRigAreNamed) {
+    std::ifstream file(folder_ / "recording" / "rig.toml");
+    std::string rig(std::istreambuf_iterator<char>(file), {});
+    const auto at = rig.find("fx = ");
+    ASSERT_NE(at, std::string::npos);
+    rig.insert(at + 5, "1");
+    fs::copy(folder_ / "recording", folder_ / "other", fs::copy_options::recursive);
+    std::ofstream(folder_ / "other" / "rig.toml") << rig;
+    start("hull");
+    start("left");
+    for (const std::string host : {"right", "help"}) {
+        auto command = command_of(host);
+        command.insert(command.end(), {"--capture.recording", (folder_ / "other").string()});
+        programs_[host] = value(HostedProcess::start(command));
+    }
+    EXPECT_TRUE(hull_says("host_left_out host=right", 0)) << hull().output();
+    EXPECT_THAT(hull().output(), HasSubstr("its rig has other cameras, lenses or poses"));
+    EXPECT_TRUE(
+        hull_says("regions_failed host=help failed=1 reason=\"its rig or [hull] differs", 0))
+        << hull().output();
+}
+
 TEST_F(SiteWithRegions, SecondProgramOfAHostIsRefused) {
     start_all_with_regions();
     auto second = value(HostedProcess::start(command_of("help")));

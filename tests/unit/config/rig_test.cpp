@@ -132,5 +132,28 @@ TEST(LoadRig, ReadsTheRealRecordings) {
     }
 }
 
+TEST(Rig, FingerprintDiffersWithEveryNumberAndName) {
+    const std::string text = camera("a") + camera("b");
+    const auto rig = load(text);
+    ASSERT_TRUE(rig) << rig.error().message;
+    EXPECT_EQ(fingerprint(*load(text)), fingerprint(*rig));
+    EXPECT_EQ(fingerprint(*load("rate_hz = 12\n" + text)), fingerprint(*rig));
+    for (const auto& [from, to] :
+         {std::pair("\"b\"", "\"c\""),
+          std::pair("width = 640", "width = 642"),
+          std::pair("height = 480", "height = 482"),
+          std::pair("fx = 500", "fx = 500.01"),
+          std::pair("fy = 500", "fy = 500.01"),
+          std::pair("cx = 319.5", "cx = 319.6"),
+          std::pair("cy = 239.5", "cy = 239.6"),
+          std::pair("[0, 1, 3]", "[0, 1, 3.0001]"),
+          std::pair("fx = 500", "distortion = [0.001, 0, 0, 0, 0]\nfx = 500"),
+          std::pair("[0, 1, 0, 0, 0, -1, -1, 0, 0]", "[0, 1, 0, 0, 0, 1, 1, 0, 0]")}) {
+        const auto other = load(replaced(text, from, to));
+        ASSERT_TRUE(other) << other.error().message;
+        EXPECT_NE(fingerprint(*other), fingerprint(*rig)) << to;
+    }
+}
+
 }  // namespace
 }  // namespace atrium::config

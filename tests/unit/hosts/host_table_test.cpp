@@ -71,6 +71,24 @@ protected:
                      {kPeriod, milliseconds(100)}};
 };
 
+TEST_F(HostTableTest, AHostWithAnotherRigIsLeftOut) {
+    ask("left", nanoseconds(0));
+    bus::CameraSilhouette silhouette;
+    silhouette.host = "left";
+    silhouette.capture_time = now_;
+    silhouette.clock_epoch = 1;
+    silhouette.has_picture = true;
+    silhouette.rig = 5;
+    std::vector<capture::CameraFrame> frames;
+    table_.add(silhouette, now_, steady_, frames);
+    EXPECT_TRUE(frames.empty());
+    EXPECT_EQ(state(0), HostState::kOtherRig);
+    EXPECT_THAT(events(),
+                HasSubstr("host_left_out host=left cameras=\"a b\" reason=\"its rig has"));
+    EXPECT_FALSE(see("left", 0).empty());  // started anew, with ours
+    EXPECT_EQ(state(0), HostState::kInUse);
+}
+
 // Both auto hosts see the cameras of the other one as lost.
 TEST_F(HostTableTest, ACameraBelongsToTheAutoHostThatSendsItsPictures) {
     table_ = HostTable({"a", "b"},

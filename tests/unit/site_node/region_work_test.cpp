@@ -13,6 +13,8 @@ namespace {
 using bus::RegionOutcome;
 using testing::HasSubstr;
 
+constexpr std::uint64_t kSettings = 7;
+
 // A ball on either side; this host computes two of three regions.
 class RegionWorkTest : public testing::Test {
 protected:
@@ -24,10 +26,12 @@ protected:
                            {"right", {{1, -0.6, 0.2}, {2, 0.6, 1.6}}, {}}};
         auto stage = HullStage::create(rig_, options, 0.75);
         EXPECT_TRUE(stage) << stage.error().message;
-        work_.emplace(rig_, std::move(*stage), codec::MeshCodecOptions{.position_bits = 0});
+        work_.emplace(
+            rig_, std::move(*stage), codec::MeshCodecOptions{.position_bits = 0}, kSettings);
     }
     bus::RegionOrder order_of(const std::vector<double>& places, std::uint32_t num_cameras = 8) {
         bus::RegionOrder order;
+        order.settings = kSettings;
         for (std::uint32_t camera = 0; camera < num_cameras; ++camera) {
             order.cameras.push_back(camera);
             order.contour_counts.push_back(static_cast<std::uint32_t>(places.size()));
@@ -89,6 +93,16 @@ TEST_F(RegionWorkTest, ARegionWithTooFewCamerasFailsAloneAndSaysWhy) {
     EXPECT_EQ(answer_.regions[0].outcome, RegionOutcome::kMesh);
     EXPECT_EQ(answer_.left_out.num_regions_failed, 0u);
     EXPECT_EQ(answer_.reason, "");
+}
+
+TEST_F(RegionWorkTest, FailsForOtherSettings) {
+    bus::RegionOrder order = order_of({-1.5, 1.5});
+    ++order.settings;
+    ASSERT_TRUE(work_->compute(order, executor_, answer_));
+    EXPECT_EQ(answer_.left_out.num_regions_failed, 2u);
+    EXPECT_TRUE(answer_.draco.empty());
+    for (const auto& hull : answer_.regions) EXPECT_EQ(hull.outcome, RegionOutcome::kFailed);
+    EXPECT_THAT(answer_.reason, HasSubstr("its rig or [hull] differs"));
 }
 
 TEST_F(RegionWorkTest, RefusesTheOrderOfAnotherRig) {
