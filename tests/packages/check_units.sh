@@ -68,6 +68,15 @@ done
 inside 'p=/proc/$(systemctl show -P MainPID atrium-world)/status; grep -q "^CapBnd:.0*$" $p; grep -q "^Seccomp:.2" $p'
 inside 'p=/proc/$(systemctl show -P MainPID atrium-site@alice)/status; grep -q "^CapBnd:.0*2000$" $p; grep -q "^Seccomp:.2" $p'
 
+say "a host with cameras and the model part of a site"
+inside 'hostname north; systemctl stop atrium-site@alice
+    cd /etc/atrium/sites; sed "s/^name = .*/name = \"hall\"/" alice.toml > hall.toml
+    printf "[[host]]\nname = \"north\"\ncameras = \"auto\"\nmodel = true\n" >> hall.toml
+    systemctl start atrium-camera@hall atrium-site@hall'
+until_true 60 'atrium monitor --once --wait 3 | tee /dev/stderr | grep -A 1 "^site hall" | grep -E "[1-9][0-9.]* metaframes/s"'
+inside 'p=/proc/$(systemctl show -P MainPID atrium-camera@hall)/status; grep -q "^CapBnd:.0*2000$" $p; grep -q "^Seccomp:.2" $p'
+inside 'systemctl stop atrium-site@hall atrium-camera@hall; systemctl start atrium-site@alice'
+
 say "a wrong configuration is not tried again"
 inside 'systemctl start atrium-site@wrong' || true
 until_true 10 'systemctl is-failed atrium-site@wrong'
