@@ -89,8 +89,10 @@ TEST(Plan, ACameraOfTwoRegionsHasTwiceTheTextures) {
     input.regions[0].cameras.push_back("cam8");  // on node0
     const SitePlan after = make_plan(input);
     EXPECT_NEAR(stage(after.hosts[0], "textures"), stage(before.hosts[0], "textures") + 1.0, 1e-9);
-    EXPECT_NEAR(stage(after.hosts[4], "hull"), 9 * 0.5e-3 * 2700, 1e-9);
-    EXPECT_NEAR(stage(after.hosts[5], "hull"), stage(before.hosts[5], "hull"), 1e-9);
+    // its silhouettes are those of both people, in both hulls
+    EXPECT_NEAR(stage(after.hosts[4], "hull"), 9 * 0.5e-3 * (8 * 300 + 600), 1e-9);
+    EXPECT_NEAR(stage(after.hosts[5], "hull"), 8 * 0.5e-3 * (7 * 300 + 600), 1e-9);
+    EXPECT_NEAR(stage(after.hosts[5], "mesh"), stage(before.hosts[5], "mesh"), 1e-9);
 }
 
 TEST(Plan, OneProcessHasNoMessages) {
