@@ -1,5 +1,6 @@
 #include "core/bus/limits.hpp"
 #include "core/bus/messages.hpp"
+#include "tests/unit/bus/wire_damage.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +8,8 @@
 
 namespace atrium::bus {
 namespace {
+
+using testing::expect_each_refused;
 
 TEST(SiteOrders, WithoutAnyEveryTextureIsWanted) {
     EXPECT_TRUE(is_texture_wanted({}, {5}));
@@ -43,6 +46,45 @@ TEST(SiteOrders, ExtremeTimesDoNoHarm) {
                 is_texture_wanted(orders, {time});
         }
     }
+}
+
+TEST(FromWire, RefusesEachBadFieldOfARegionOrder) {
+    using W = atrium_RegionOrder;
+    static std::uint32_t two_equal[] = {3, 3};
+    static std::uint32_t too_many[] = {1, 0xffffffff};
+    RegionOrder order;
+    order.site = "hall";
+    order.host = "north";
+    order.cameras = {2, 5};
+    order.contour_counts = {1, 0};
+    order.contour_sizes = {3};
+    order.vertices_px = {{0, 0}, {1, 0}, {0, 1}};
+    expect_each_refused<RegionOrder>(
+        order,
+        {{"cameras", [](W& w) { w.cameras._buffer = two_equal; }},
+         {"contour_counts", [](W& w) { w.contour_counts._length = 1; }},
+         {"contour_sizes", [](W& w) { w.contour_counts._buffer = too_many; }},
+         {"contour_sizes", [](W& w) { w.contour_sizes._length = 0; }},
+         {"vertices_px", [](W& w) { w.contour_sizes._buffer = &too_many[1]; }},
+         {"vertices_px", [](W& w) { w.vertices_px._length = 4; }}});
+}
+
+TEST(FromWire, RefusesEachBadFieldOfRegionMeshes) {
+    using W = atrium_RegionMeshes;
+    RegionMeshes meshes;
+    meshes.site = "hall";
+    meshes.host = "north";
+    meshes.regions = {{0, RegionOutcome::kMesh, 2}, {1, RegionOutcome::kNobody, 0}};
+    meshes.draco = {1, 2};
+    expect_each_refused<RegionMeshes>(
+        meshes,
+        {{"regions", [](W& w) { w.regions._buffer[1].region = 0; }},
+         {"regions", [](W& w) { w.regions._buffer[1].region = 64; }},
+         {"regions", [](W& w) { w.regions._buffer[1].outcome = 3; }},
+         {"regions", [](W& w) { w.regions._buffer[1].outcome = 1; }},
+         {"regions", [](W& w) { w.regions._buffer[1].num_bytes = 0xffffffff; }},
+         {"regions", [](W& w) { w.regions._buffer[0].num_bytes = 1; }},
+         {"draco", [](W& w) { w.draco._length = kMaxCodedBytes + 1; }}});
 }
 
 }  // namespace

@@ -2,10 +2,14 @@
 
 #include "core/bus/wire.hpp"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -199,5 +203,28 @@ private:
     std::vector<Piece> members_;
     std::vector<Piece> wires_;
 };
+
+/// A valid wire struct, a change to it, and the field that the refusal must name.
+template <typename Message>
+struct Damage {
+    std::string names;
+    std::function<void(WireOf<Message>&)> apply;
+};
+
+template <typename Message>
+void expect_each_refused(const Message& good, const std::vector<Damage<Message>>& damages) {
+    for (const auto& damage : damages) {
+        WireScratch scratch;
+        WireOf<Message> wire{};
+        to_wire(good, scratch, wire);
+        ASSERT_TRUE(from_wire<Message>(wire).has_value())
+            << from_wire<Message>(wire).error().message;
+        damage.apply(wire);
+        const auto result = from_wire<Message>(wire);
+        ASSERT_FALSE(result.has_value()) << damage.names;
+        EXPECT_EQ(result.error().kind, ErrorKind::kInvalidData);
+        EXPECT_THAT(result.error().message, ::testing::HasSubstr(damage.names));
+    }
+}
 
 }  // namespace atrium::bus::testing

@@ -24,6 +24,7 @@
 namespace atrium::bus {
 namespace {
 
+using testing::expect_each_refused;
 using ::testing::HasSubstr;
 using testing::kInfinity;
 using testing::kNan;
@@ -118,29 +119,6 @@ TYPED_TEST(EveryMessage, ListsEachMemberOnce) {
 
 // The limits themselves, where they protect more than a figure.
 
-/// A valid wire struct, a change to it, and the field that the refusal must name.
-template <typename Message>
-struct Damage {
-    std::string names;
-    std::function<void(WireOf<Message>&)> apply;
-};
-
-template <typename Message>
-void expect_each_refused(const Message& good, const std::vector<Damage<Message>>& damages) {
-    for (const auto& damage : damages) {
-        WireScratch scratch;
-        WireOf<Message> wire{};
-        to_wire(good, scratch, wire);
-        ASSERT_TRUE(from_wire<Message>(wire).has_value())
-            << from_wire<Message>(wire).error().message;
-        damage.apply(wire);
-        const auto result = from_wire<Message>(wire);
-        ASSERT_FALSE(result.has_value()) << damage.names;
-        EXPECT_EQ(result.error().kind, ErrorKind::kInvalidData);
-        EXPECT_THAT(result.error().message, HasSubstr(damage.names));
-    }
-}
-
 SiteDescription good_description() {
     SiteDescription message;
     message.site = "room-1";
@@ -213,45 +191,6 @@ TEST(FromWire, RefusesEachBadFieldOfASiteMesh) {
               w.mesh_sizes._buffer = too_large;
               w.mesh_sizes._length = 1;
           }}});
-}
-
-TEST(FromWire, RefusesEachBadFieldOfARegionOrder) {
-    using W = atrium_RegionOrder;
-    static std::uint32_t two_equal[] = {3, 3};
-    static std::uint32_t too_many[] = {1, 0xffffffff};
-    RegionOrder order;
-    order.site = "hall";
-    order.host = "north";
-    order.cameras = {2, 5};
-    order.contour_counts = {1, 0};
-    order.contour_sizes = {3};
-    order.vertices_px = {{0, 0}, {1, 0}, {0, 1}};
-    expect_each_refused<RegionOrder>(
-        order,
-        {{"cameras", [](W& w) { w.cameras._buffer = two_equal; }},
-         {"contour_counts", [](W& w) { w.contour_counts._length = 1; }},
-         {"contour_sizes", [](W& w) { w.contour_counts._buffer = too_many; }},
-         {"contour_sizes", [](W& w) { w.contour_sizes._length = 0; }},
-         {"vertices_px", [](W& w) { w.contour_sizes._buffer = &too_many[1]; }},
-         {"vertices_px", [](W& w) { w.vertices_px._length = 4; }}});
-}
-
-TEST(FromWire, RefusesEachBadFieldOfRegionMeshes) {
-    using W = atrium_RegionMeshes;
-    RegionMeshes meshes;
-    meshes.site = "hall";
-    meshes.host = "north";
-    meshes.regions = {{0, RegionOutcome::kMesh, 2}, {1, RegionOutcome::kNobody, 0}};
-    meshes.draco = {1, 2};
-    expect_each_refused<RegionMeshes>(
-        meshes,
-        {{"regions", [](W& w) { w.regions._buffer[1].region = 0; }},
-         {"regions", [](W& w) { w.regions._buffer[1].region = 64; }},
-         {"regions", [](W& w) { w.regions._buffer[1].outcome = 3; }},
-         {"regions", [](W& w) { w.regions._buffer[1].outcome = 1; }},
-         {"regions", [](W& w) { w.regions._buffer[1].num_bytes = 0xffffffff; }},
-         {"regions", [](W& w) { w.regions._buffer[0].num_bytes = 1; }},
-         {"draco", [](W& w) { w.draco._length = kMaxCodedBytes + 1; }}});
 }
 
 TEST(FromWire, RefusesEachBadFieldOfACameraTexture) {
