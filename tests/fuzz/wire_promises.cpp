@@ -238,7 +238,7 @@ std::string broken_promise(const bus::SiteStatus& message) {
         if (value < 0.0) return "a rate or a time";
     }
     for (const bus::HostStatus& host : message.hosts) {
-        if (host.state > bus::HostState::kLate) return "a host's state";
+        if (host.state > bus::HostState::kOtherRig) return "a host's state";
         if (host.clock_error_ms < 0.0) return "a clock's error";
     }
     const std::string coherence = broken_by_coherence(message.coherence);
