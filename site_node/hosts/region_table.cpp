@@ -60,7 +60,10 @@ bool RegionTable::answered(std::size_t i, std::uint64_t frame_id, Time now) {
     host.num_in_time = is_young ? host.num_in_time + 1 : 0;
     const bool is_enough =
         host.state == bus::HostState::kLate ? host.num_in_time >= kInTime : is_young || host.is_new;
-    if (host.state != bus::HostState::kInUse && is_enough) enter(i, bus::HostState::kInUse, now);
+    if (host.state != bus::HostState::kInUse && is_enough)
+        enter(i, bus::HostState::kInUse, now);
+    else if (host.state == bus::HostState::kMissing)
+        enter(i, bus::HostState::kLate, now);
     host.is_new = false;
     return is_last;
 }
@@ -70,7 +73,7 @@ void RegionTable::end(Time now) {
         Host& host = hosts_[i];
         if (waits_for(i)) {
             // patience is over
-            const bool is_alive = host.last_answer && now - *host.last_answer <= 2 * patience_;
+            const bool is_alive = host.last_answer && *host.last_answer >= begun_;
             enter(i, is_alive ? bus::HostState::kLate : bus::HostState::kMissing, now);
             host.is_new = false;
             host.num_in_time = 0;

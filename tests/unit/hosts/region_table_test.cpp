@@ -73,8 +73,9 @@ TEST_F(RegionTableTest, AHostThatDiesCostsOneWait) {
     order(5ms, 5ms);
     is_there_[1] = true;  // DDS needs a second to see that it is gone
     EXPECT_EQ(order(5ms, {}), 250ms);
+    EXPECT_THAT(log_, HasSubstr("host_left_out host=west regions=2 reason=\"nothing comes"));
     for (int i = 0; i < 20; ++i) EXPECT_EQ(order(5ms, {}), 5ms);
-    EXPECT_EQ(state(1), HostState::kLate);
+    EXPECT_EQ(state(1), HostState::kMissing);
     is_there_[1] = false;
     EXPECT_EQ(order(5ms, {}), 5ms);
     EXPECT_EQ(state(1), HostState::kMissing);
