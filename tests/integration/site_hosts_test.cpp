@@ -75,16 +75,18 @@ TEST_F(SiteHosts, ALimitedRateHoldsForTheTexturesOfAllHosts) {
     programs_["hull"] = value(HostedProcess::start(command));
     start("left");
     start("right");
-    static const std::regex kReduced("stream level [^\n]*rate=1/([2-9]|[1-6][0-9])");
+    // from this rate on, the textures of all instants would be more than the bound below
+    static const std::regex kReduced("stream level [^\n]*rate=1/([4-9]|[1-6][0-9])");
     ASSERT_TRUE(hull_says("host_in_use host=right", 0));
     EXPECT_TRUE(test_support::comes_true([&] {
         return std::regex_search(hull().output(), kReduced);
     })) << hull().output();
-    listen(2);  // the rate has settled
-    const Published published = listen(6);
-    EXPECT_GE(published.num_complete, 6u);
-    // all instants of the recording would be 8 * 6 textures for every 6 meshes
-    EXPECT_LE(published.num_textures, 2 * 8 * published.num_complete);
+    // the rate settles, and a machine that stood still may have given a partial metaframe
+    EXPECT_TRUE(test_support::comes_true([&] {
+        const Published published = listen(6);
+        return published.num_complete >= 6 &&
+               published.num_textures <= 2 * 8 * published.num_complete;
+    }));
 }
 
 TEST_F(SiteHosts, ACameraNodeShowsItsCameras) {
