@@ -326,6 +326,10 @@ Expected<void> check(const SiteNodeConfig& config) {
         return wrong(fmt::format(
             "site.name: must be 1 to 63 characters of A-Z a-z 0-9 _ . -, got '{}'", config.name));
     }
+    if (!config.host.empty() && config.hosts.empty())
+        return wrong(
+            "--host, site.host: the site's file has no [[host]]: the site is one process, on this "
+            "host (docs/site_hosts.md)");
     if (auto checked = check(config.capture); !checked) return checked;
     if ((config.capture.aligned || !config.hosts.empty()) &&
         (config.capture.every > 1 || config.capture.as_fast_as_possible)) {

@@ -32,7 +32,13 @@ int main(int argc, char** argv) {
                                 "  site_node --recording DIR --learn-background "
                                 "--segmentation.background_folder BACKGROUNDS\n"
                                 "  site_node --recording DIR --write-silhouettes OUT",
-                                [&] { return config.list_cameras; }};
+                                [&] { return config.list_cameras; },
+                                {},
+                                {},
+                                [&] {
+                                    site_node::resolve(config);
+                                    return site_node::check_files(config);
+                                }};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             site_node::read_tables(reader, config);

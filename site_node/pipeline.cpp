@@ -26,11 +26,13 @@ Expected<void> failure_without_mesh(const SiteFrame& frame) {
     if (status != hull::HullStatus::kOk && status != hull::HullStatus::kEmptyIntersection)
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("no hull: {}", hull::to_string(status)));
+    std::string reasons;
     for (const bus::RegionMeshes& remote : frame.remote) {
         if (!remote.reason.empty())
-            return make_error(ErrorKind::kInvalidData,
-                              fmt::format("no hull: host {}: {}", remote.host, remote.reason));
+            reasons += fmt::format(
+                "{}host {}: {}", reasons.empty() ? "" : "; ", remote.host, remote.reason);
     }
+    if (!reasons.empty()) return make_error(ErrorKind::kInvalidData, "no hull: " + reasons);
     return {};
 }
 
@@ -373,9 +375,11 @@ rig_check::Look Pipeline::look(const Silhouettes& silhouettes, const SiteFrame& 
         look.hull_volume_m3 = geometry::volume_m3(mesh);
         look.footing = rig_check::find_footing(mesh);
     };
+    look.is_hull_whole =
+        std::ranges::all_of(frame.remote, &std::string::empty, &bus::RegionMeshes::reason);
     if (frame.remote.empty())
         describe(frame.hull.mesh);
-    else
+    else if (look.is_hull_whole)
         describe(whole_mesh(frame));
     return look;
 }

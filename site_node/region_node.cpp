@@ -31,9 +31,8 @@ bus::LatencySummary summary(const LatencyWindow& window) {
 
 // The regions of this host, with the cameras of the whole site.
 Expected<RegionWork> own_work(SiteNodeConfig config, const hosts::HostEntry& own) {
-    const auto rig = load_checked_rig(config);
+    const auto rig = load_checked_description(config);
     if (!rig) return tl::unexpected(rig.error());
-    if (auto fits = check_hosts(config, *rig); !fits) return tl::unexpected(fits.error());
     HullStageOptions& options = config.pipeline.hull;
     take_bounds(*rig, options);
     for (RegionOptions& region : options.regions)
@@ -54,7 +53,6 @@ bool is_region_host(const SiteNodeConfig& config) {
 
 Expected<std::unique_ptr<RegionNode>> RegionNode::create(const SiteNodeConfig& asked,
                                                          std::stop_token stop) {
-    if (auto checked = check(asked); !checked) return tl::unexpected(checked.error());
     SiteNodeConfig config = asked;
     if (config.threads == 0) config.threads = default_threads();
     const auto own = hosts::find_host(config.hosts, own_host(config));

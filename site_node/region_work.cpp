@@ -71,12 +71,11 @@ void RegionWork::refuse(bus::RegionMeshes& answer) const {
     answer.left_out.num_regions_failed = regions_.size();
     answer.reason =
         "its rig or [hull] differs from that of the model part: copy the site's file and its rig "
-        "to "
-        "all hosts, and start their programs anew";
+        "to all hosts, and start their programs anew";
     answer.regions.clear();
     answer.draco.clear();
     for (const std::uint32_t region : regions_)
-        answer.regions.push_back({region, bus::RegionOutcome::kFailed, 0});
+        answer.regions.push_back({region, bus::RegionOutcome::kOtherRig, 0});
 }
 
 Expected<void> RegionWork::compute(const bus::RegionOrder& order,

@@ -26,8 +26,8 @@ public:
     std::size_t num_regions() const { return regions_.size(); }
 
     /// Fills all but site, host and frame. Regions without a hull are marked as failed, and all of
-    /// them if the order has other settings. Error kInvalidData if it has cameras that the rig
-    /// lacks.
+    /// them as of another rig if the order has other settings. Error kInvalidData if it has cameras
+    /// that the rig lacks.
     Expected<void> compute(const bus::RegionOrder& order,
                            Executor& executor,
                            bus::RegionMeshes& answer);

@@ -156,9 +156,10 @@ void SiteNode::hand_over(capture::Metaframe metaframe) {
         if (frame.is_lost()) missing += " " + source_->rig().cameras[frame.camera].name;
     }
     if (!missing.empty()) {
-        complaints_.warn(fmt::format("metaframe goes on without cameras id={} missing=\"{}\"",
-                                     metaframe.frame_id,
-                                     missing.substr(1)));
+        missing_cameras_.warn(missing,
+                              fmt::format("metaframe goes on without cameras id={} missing=\"{}\"",
+                                          metaframe.frame_id,
+                                          missing.substr(1)));
     }
     const std::uint64_t num_captured = ++num_captured_;
     metaframes_.offer(std::move(metaframe));
@@ -216,7 +217,8 @@ void SiteNode::compute_frames(std::stop_token stop) {
 void SiteNode::count_failure(std::uint64_t frame_id, const Error& error) {
     ++num_failed_;
     lock_step_.finish();
-    complaints_.warn(fmt::format("metaframe failed id={} reason=\"{}\"", frame_id, error.message));
+    failures_.warn(error.message,
+                   fmt::format("metaframe failed id={} reason=\"{}\"", frame_id, error.message));
     const std::lock_guard lock(losses_mutex_);
     last_failure_ = error.message;
 }
@@ -252,8 +254,9 @@ void SiteNode::compute_frame(Ready& ready) {
 void SiteNode::count_losses(const SiteFrame& frame) {
     const MetaframeLosses& losses = frame.losses;
     if (losses.regions_failed > 0) {
-        complaints_.warn(fmt::format(
-            "metaframe lacks regions id={} failed={}", frame.frame_id, losses.regions_failed));
+        const std::string failed = fmt::format("failed={}", losses.regions_failed);
+        missing_regions_.warn(
+            failed, fmt::format("metaframe lacks regions id={} {}", frame.frame_id, failed));
     }
     const std::lock_guard lock(losses_mutex_);
     add(losses, losses_);
@@ -288,10 +291,6 @@ void SiteNode::publish_frames(std::stop_token stop) {
         // a whole recording; one that loops never ends
         if (num_published_ == source_->num_frames() && num_with_people_ == 0)
             warn_of_nobody(num_published_);
-        {
-            const std::lock_guard lock(latency_mutex_);
-            capture_to_publish_.add(Timestamp::now() - (*frame)->capture_time);
-        }
         spare_frames_.put(std::move(*frame));
     }
 }
@@ -333,7 +332,10 @@ Expected<std::size_t> SiteNode::publish(SiteFrame& frame) {
     const auto written = writers_.mesh.write(mesh);
     mesh.draco.swap(frame.draco);
     if (!written) return written;
-    stage_times_.published(*written, num_bytes, std::chrono::steady_clock::now() - begin);
+    stage_times_.published(*written,
+                           num_bytes,
+                           std::chrono::steady_clock::now() - begin,
+                           Timestamp::now() - frame.capture_time);
     return num_bytes + *written;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/app/lasting_log.hpp"
 #include "core/app/log.hpp"
 #include "core/base/expected.hpp"
 #include "core/base/latest_slot.hpp"
@@ -45,6 +46,10 @@ Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNode
 /// Learns the empty room of all cameras and writes it to segmentation.background_folder, instead of
 /// a run.
 Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token stop);
+
+/// Finds everything that a start would refuse, in the configuration and in the files that it names.
+/// Opens no source.
+Expected<void> check_files(const SiteNodeConfig& config);
 
 /// One room: captures, computes, publishes. `create` does everything that can fail (recording,
 /// rendering of a simulated room, background, bus); `run` owns the threads.
@@ -138,8 +143,6 @@ private:
     mutable std::mutex losses_mutex_;
     bus::LeftOutTotals losses_;
     std::string last_failure_;  // why the newest failed metaframe failed
-    mutable std::mutex latency_mutex_;
-    LatencyWindow capture_to_publish_;
     StageTimes stage_times_;
     RateMeter published_rate_;
     RateMeter bytes_rate_;
@@ -150,6 +153,9 @@ private:
     mutable std::mutex processor_mutex_;
     ProcessorUse processor_;  // latest measurement
     app::log::OncePerSecond complaints_;
+    app::log::LastingLog missing_cameras_;
+    app::log::LastingLog missing_regions_;
+    app::log::LastingLog failures_;
 
     std::shared_ptr<RunControl> run_control_;  // shared with the membership, which exists first
     std::unique_ptr<presence::Membership> membership_;

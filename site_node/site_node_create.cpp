@@ -1,4 +1,5 @@
 #include "core/presence/join_world.hpp"
+#include "site_node/region_node.hpp"
 #include "site_node/site_node.hpp"
 #include "site_node/source/open_source.hpp"
 #include "site_node/start_check.hpp"
@@ -39,7 +40,6 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
                         rig.cameras.size(),
                         config.capture.min_cameras));
     }
-    if (auto fits = check_areas(config.pipeline, rig); !fits) return fits;
     const double period_quarter_ms = 250.0 / metaframe_rate_hz(config, rig);
     if (config.capture.tolerance_ms > period_quarter_ms) {
         return make_error(
@@ -50,9 +50,6 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
                         config.capture.tolerance_ms));
     }
     const HullStageOptions& hull = config.pipeline.hull;
-    for (const std::string& pair : overlapping_regions(hull.regions)) {
-        app::log::warn("hull.region: {} overlap; people there appear twice in the mesh", pair);
-    }
     if (hull.partial_views && hull.min_views == 0) {
         app::log::warn(
             "hull.partial_views without hull.min_views: space that no camera sees counts as "
@@ -62,9 +59,8 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
 }
 
 // Checks the part of this host in a site on several hosts: it has to be the model part.
-Expected<void> check_own_part(const SiteNodeConfig& config, const config::Rig& rig) {
+Expected<void> check_own_part(const SiteNodeConfig& config) {
     if (config.hosts.empty()) return {};
-    if (auto fits = check_hosts(config, rig); !fits) return fits;
     const auto own = hosts::find_host(config.hosts, own_host(config));
     if (!own) return tl::unexpected(own.error());
     if (!own->is_model) {
@@ -172,17 +168,23 @@ Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token st
         **source, config.pipeline.background, config.pipeline.segmentation, stop);
 }
 
+Expected<void> check_files(const SiteNodeConfig& config) {
+    const auto rig = load_checked_description(config);
+    if (!rig) return tl::unexpected(rig.error());
+    if (is_region_host(config)) return {};
+    if (auto fits = check(config, *rig); !fits) return fits;
+    return check_own_part(config);
+}
+
 Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked,
                                                      std::stop_token stop) {
-    if (auto checked = check(asked); !checked) return tl::unexpected(checked.error());
-    if (auto found = check_places(asked); !found) return tl::unexpected(found.error());
-    const auto rig = load_checked_rig(asked);
+    const auto rig = load_checked_description(asked);
     if (!rig) return tl::unexpected(rig.error());
     SiteNodeConfig config = asked;
     if (config.threads == 0) config.threads = default_threads();
     take_bounds(*rig, config.pipeline.hull);
     if (auto fits = check(config, *rig); !fits) return tl::unexpected(fits.error());
-    if (auto fits = check_own_part(config, *rig); !fits) return tl::unexpected(fits.error());
+    if (auto fits = check_own_part(config); !fits) return tl::unexpected(fits.error());
     for (RegionOptions& region : config.pipeline.hull.regions)
         region.is_elsewhere = hosts::host_of_region(config.hosts, region.name) != nullptr;
     const auto hull = HullStage::create(

@@ -14,12 +14,6 @@
 
 // Status of a site, published once a second.
 namespace atrium::site_node {
-namespace {
-
-bus::LatencySummary summary(const Quantiles& q) { return {q.median_ms, q.p99_ms, q.num_samples}; }
-
-}  // namespace
-
 void SiteNode::report_status(std::stop_token stop) {
     using Clock = std::chrono::steady_clock;
     std::mutex mutex;
@@ -95,10 +89,6 @@ bus::SiteStatus SiteNode::status() const {
     status.num_bytes_published = num_bytes_;
     status.metaframes_per_s = metaframes_per_s_;
     status.bytes_per_s = bytes_per_s_;
-    {
-        const std::lock_guard lock(latency_mutex_);
-        status.capture_to_publish = summary(capture_to_publish_.quantiles());
-    }
     status.resident_bytes = app::resident_bytes();
     status.cameras = camera_statuses(source_->camera_counters(), offsets_);
     status.stream = stream_.state();

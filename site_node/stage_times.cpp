@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace atrium::site_node {
 namespace {
 
 constexpr std::size_t kNumStages = 5;
+constexpr std::chrono::seconds kForget{3};
 constexpr std::array<const char*, kNumStages> kStageNames{
     "segmentation", "polygons", "the hull", "the coding of meshes", "the coding of textures"};
 
@@ -37,9 +39,12 @@ std::optional<StageTimes::Work> StageTimes::largest_work() {
 
 void StageTimes::published(std::size_t mesh_bytes,
                            std::size_t texture_bytes,
-                           std::chrono::nanoseconds duration) {
+                           std::chrono::nanoseconds duration,
+                           std::chrono::nanoseconds capture_to_publish) {
     const std::lock_guard lock(mutex_);
     publishing_.add(duration);
+    capture_to_publish_.add(capture_to_publish);
+    has_published_ = true;
     num_mesh_bytes_ += mesh_bytes;
     num_texture_bytes_ += texture_bytes;
 }
@@ -48,6 +53,9 @@ void StageTimes::update_rates(std::chrono::steady_clock::time_point now) {
     const std::lock_guard lock(mutex_);
     mesh_bytes_per_s_ = mesh_rate_.update(num_mesh_bytes_, now);
     texture_bytes_per_s_ = texture_rate_.update(num_texture_bytes_, now);
+    if (std::exchange(has_published_, false)) last_published_ = now;
+    if (now - last_published_ >= kForget)
+        silhouettes_ = hull_ = coding_ = publishing_ = capture_to_publish_ = LatencyWindow();
 }
 
 void StageTimes::put_into(bus::SiteStatus& status) const {
@@ -56,6 +64,8 @@ void StageTimes::put_into(bus::SiteStatus& status) const {
                      hull_.quantiles().median_ms,
                      coding_.quantiles().median_ms,
                      publishing_.quantiles().median_ms};
+    const Quantiles latency = capture_to_publish_.quantiles();
+    status.capture_to_publish = {latency.median_ms, latency.p99_ms, latency.num_samples};
     status.mesh_bytes_per_s = mesh_bytes_per_s_;
     status.texture_bytes_per_s = texture_bytes_per_s_;
 }

@@ -21,7 +21,8 @@ public:
     /// Records the payload sizes of one metaframe and how long it took to publish.
     void published(std::size_t mesh_bytes,
                    std::size_t texture_bytes,
-                   std::chrono::nanoseconds duration);
+                   std::chrono::nanoseconds duration,
+                   std::chrono::nanoseconds capture_to_publish);
 
     /// Work of the pool per stage since the previous call, for advice about overload.
     struct Work {
@@ -31,7 +32,8 @@ public:
     /// The stage with the most work; nullopt without any.
     std::optional<Work> largest_work();
 
-    /// Computes byte rates since the previous call.
+    /// Computes byte rates since the previous call. If nothing is published for three seconds, all
+    /// durations are forgotten: they would show a site that works.
     void update_rates(std::chrono::steady_clock::time_point now);
     void put_into(bus::SiteStatus& status) const;
 
@@ -42,6 +44,9 @@ private:
     LatencyWindow hull_;
     LatencyWindow coding_;
     LatencyWindow publishing_;
+    LatencyWindow capture_to_publish_;
+    std::chrono::steady_clock::time_point last_published_{};  // seen by update_rates
+    bool has_published_ = false;                              // since update_rates
     std::uint64_t num_mesh_bytes_ = 0;
     std::uint64_t num_texture_bytes_ = 0;
     RateMeter mesh_rate_;

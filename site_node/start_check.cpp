@@ -18,6 +18,21 @@ constexpr std::uint64_t kBackgroundBytes = 32U << 20;
 constexpr std::uint64_t kSilhouetteBytes = 64U << 20;
 constexpr std::uint64_t kPreviewBytes = 8U << 20;
 
+// Whether the hull is cut at the bounds of the rig.
+bool are_bounds_of_rig(const config::Rig& rig, const HullStageOptions& hull) {
+    return !hull.bounds && hull.regions.empty() && rig.has_bounds &&
+           rig.cameras.size() + hull::kViewsOfBounds <= hull::kMaxViews;
+}
+
+void doubt_regions(std::span<const RegionOptions> regions, const config::Rig& rig) {
+    for (const std::string& pair : overlapping_regions(regions))
+        app::log::warn("hull.region: {} overlap; people there appear twice in the mesh", pair);
+    for (const RegionOptions& region : regions) {
+        if (const auto doubt = rig_check::check_region(region.bounds, rig.cameras))
+            app::log::warn("region_looks_wrong region={} reason=\"{}\"", region.name, doubt->text);
+    }
+}
+
 }  // namespace
 
 Expected<void> check_places(const SiteNodeConfig& config) {
@@ -61,9 +76,27 @@ Expected<config::Rig> load_checked_rig(const SiteNodeConfig& config) {
     return rig;
 }
 
+Expected<config::Rig> load_checked_description(const SiteNodeConfig& config) {
+    if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
+    if (auto found = check_places(config); !found) return tl::unexpected(found.error());
+    auto rig = load_checked_rig(config);
+    if (!rig) return rig;
+    if (!config.hosts.empty()) {
+        if (auto fits = check_hosts(config, *rig); !fits) return tl::unexpected(fits.error());
+    }
+    if (auto fits = check_areas(config.pipeline, *rig); !fits) return tl::unexpected(fits.error());
+    HullStageOptions hull = config.pipeline.hull;
+    if (are_bounds_of_rig(*rig, hull)) hull.bounds = rig->bounds_site;
+    const auto stage =
+        HullStage::create(rig->cameras, hull, config.pipeline.silhouette.tolerance_px);
+    if (!stage) return tl::unexpected(stage.error());
+    doubt_regions(hull.regions, *rig);
+    return rig;
+}
+
 void take_bounds(const config::Rig& rig, HullStageOptions& hull) {
     if (hull.bounds || !hull.regions.empty() || !rig.has_bounds) return;
-    if (rig.cameras.size() + hull::kViewsOfBounds > hull::kMaxViews) {
+    if (!are_bounds_of_rig(rig, hull)) {
         app::log::warn(
             "the bounds of the rig do not cut the hull: with more than {} cameras nothing can",
             hull::kMaxViews - hull::kViewsOfBounds);

@@ -14,6 +14,10 @@ Expected<void> check_places(const SiteNodeConfig& config);
 /// it go to the log; what makes any hull impossible is an error.
 Expected<config::Rig> load_checked_rig(const SiteNodeConfig& config);
 
+/// Checks the description of a site as a whole: options, places, rig, hosts, regions. Opens no
+/// source. Returns the rig.
+Expected<config::Rig> load_checked_description(const SiteNodeConfig& config);
+
 /// Completes the hull's bounds from the rig, unless the configuration has its own or regions.
 void take_bounds(const config::Rig& rig, HullStageOptions& hull);
 

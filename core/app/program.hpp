@@ -31,6 +31,9 @@ struct ProgramInfo {
     /// Called after all options are read, to check them together. Its error ends the program like a
     /// wrong option. Empty: nothing to check.
     std::function<Expected<void>()> check = {};
+    /// What --check looks at besides: all that a start would refuse later, in files that the
+    /// options name. Empty: nothing.
+    std::function<Expected<void>()> check_files = {};
 };
 
 /// Reads the parts of a configuration file that are not plain options, such as tables of objects.
@@ -42,8 +45,9 @@ struct Start {
     bool go_on = false;
     int exit_code = 0;
 };
-/// Parses `--config FILE`, `--help`, `--version`, `--log-level` and every option of `options`. The
-/// command line overrides the file. Prints help, version or the error and tells the program to end.
+/// Parses `--config FILE`, `--help`, `--version`, `--log-level`, `--check` and every option of
+/// `options`. The command line overrides the file. Prints help, version or the error and tells the
+/// program to end; so it does after a --check.
 Start start(const ProgramInfo& info,
             const config::OptionSet& options,
             int argc,

@@ -72,7 +72,7 @@ void fields(auto& v, Of<RegionOrder> auto& m, auto& w) {
 
 void fields(auto& v, Of<RegionHull> auto& m, auto& w) {
     v("RegionMeshes.regions.region", m.region, w.region, AtMost{kMaxRegions - 1});
-    v("RegionMeshes.regions.outcome", m.outcome, w.outcome, Last{RegionOutcome::kFailed});
+    v("RegionMeshes.regions.outcome", m.outcome, w.outcome, Last{RegionOutcome::kOtherRig});
     v(m.num_bytes, w.num_bytes);
 }
 

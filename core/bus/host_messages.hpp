@@ -81,7 +81,8 @@ struct RegionOrder {
     std::vector<std::array<double, 2>> vertices_px;  // of all contours in turn, undistorted
 };
 
-enum class RegionOutcome : std::uint8_t { kNobody, kMesh, kFailed };
+/// `kOtherRig`: not computed, because the order is of another rig or [hull].
+enum class RegionOutcome : std::uint8_t { kNobody, kMesh, kFailed, kOtherRig };
 
 struct RegionHull {
     std::uint32_t region = 0;  // index into the regions of the site's file

@@ -76,6 +76,16 @@ std::string network_text(const Growth& growth) {
     return {};
 }
 
+// Whether a host of regions was lost: the site waited for it, and work came late.
+bool waited_for_host(const Growth& growth) {
+    return std::ranges::any_of(growth.now.hosts, [&](const bus::HostStatus& host) {
+        const auto before =
+            std::ranges::find(growth.before.hosts, host.name, &bus::HostStatus::name);
+        return host.num_regions > 0 && host.state != bus::HostState::kInUse &&
+               before != growth.before.hosts.end() && before->state == bus::HostState::kInUse;
+    });
+}
+
 std::string percent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
 
 }  // namespace
@@ -113,11 +123,14 @@ const char* name_of(Cause cause) {
 
 std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const Figures& now) {
     std::vector<Bottleneck> found;
-    const std::optional<Growth> growth = before && may_be_same_process(*before, now)
-                                             ? std::optional<Growth>({*before, now})
-                                             : std::nullopt;
-    const std::string late = growth ? late_text(*growth) : "";
-    const bool is_short = is_short_of_processor(now.processor);
+    const bool has_before = before && may_be_same_process(*before, now);
+    const Growth growth{has_before ? *before : now, now};
+    const std::string late = waited_for_host(growth) ? "" : late_text(growth);
+    // a program that is not busy itself loses nothing to its own work: any wait held it up
+    const bool is_held_up = !late.empty() && now.processor.is_waiting_known &&
+                            now.processor.run_per_s < kBusyCores &&
+                            now.processor.longest_wait_per_s >= kOverloaded;
+    const bool is_short = is_short_of_processor(now.processor) || is_held_up;
     if (is_short || (!late.empty() && is_short_of_processor(before->processor))) {
         const ProcessorUse& use = is_short ? now.processor : before->processor;
         found.push_back(
@@ -143,7 +156,7 @@ std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const 
                                   : "machine too slow or work too long",
                          late)});
     }
-    if (std::string network = growth ? network_text(*growth) : ""; !network.empty())
+    if (std::string network = network_text(growth); !network.empty())
         found.push_back({Cause::kNetwork, std::move(network)});
     return found;
 }

@@ -77,7 +77,8 @@ Figures::Alarm alarm_of(const bus::HostStatus& host) {
                     "atrium doctor there",
                     "the network delays the measurement of its clock, or it just came"};
         case bus::HostState::kOtherRig:
-            return {what + ": its rig is another one",
+            return {what + (host.num_regions > 0 ? ": its rig, [hull] or regions are others"
+                                                 : ": its rig is another one"),
                     "copy the rig there",
                     "copy the site's file and its rig from this host to all hosts, and start their "
                     "programs anew"};
@@ -167,6 +168,7 @@ Figures figures_of(const bus::SiteStatus& status) {
              "stabilisation)",
              "calibrate refine --focal",
              rig.fault.cure});
+    figures.hosts = status.hosts;
     std::string hosts;
     for (const bus::HostStatus& host : status.hosts) {
         hosts += (hosts.empty() ? "" : ", ") + text_of(host);

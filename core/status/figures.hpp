@@ -57,6 +57,7 @@ struct Figures {
     std::vector<Camera> cameras;
     std::optional<bus::StreamState> stream;
     std::optional<bus::RigCoherence> coherence;  // of a site
+    std::vector<bus::HostStatus> hosts;          // of a site on several
     std::vector<Alarm> alarms;
     std::vector<Note> notes;  // values that are not counters
     std::uint64_t resident_bytes = 0;

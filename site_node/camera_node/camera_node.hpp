@@ -26,6 +26,9 @@ namespace atrium::camera_node {
 /// segmentation.background_folder, instead of a run.
 Expected<void> learn_background(const site_node::SiteNodeConfig& config, std::stop_token stop);
 
+/// As that of `site_node`, for this program.
+Expected<void> check_files(const site_node::SiteNodeConfig& config);
+
 /// The cameras of one host of a site: captures, segments, publishes silhouettes for the model part
 /// and textures for the viewers. `create` does everything that can fail; `run` owns the threads.
 class CameraNode {

@@ -85,19 +85,14 @@ Expected<Part> own_part(const SiteNodeConfig& config) {
     const auto wrong = [](std::string text) {
         return make_error(ErrorKind::kConfiguration, std::move(text));
     };
-    if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
-    if (auto found = check_places(config); !found) return tl::unexpected(found.error());
     if (config.hosts.empty())
         return wrong(
             "host: the site's file has no [[host]]: the site is one process, site_node "
             "(docs/site_hosts.md)");
     if (!config.write_silhouettes.empty())
         return wrong("--write-silhouettes: site_node has it, in a site of one process");
-    auto rig = load_checked_rig(config);
+    auto rig = load_checked_description(config);
     if (!rig) return tl::unexpected(rig.error());
-    if (auto fits = site_node::check_hosts(config, *rig); !fits)
-        return tl::unexpected(fits.error());
-    if (auto fits = check_areas(config.pipeline, *rig); !fits) return tl::unexpected(fits.error());
     const std::string name = site_node::own_host(config);
     const auto host = hosts::find_host(config.hosts, name);
     if (!host) return tl::unexpected(host.error());
@@ -110,6 +105,11 @@ Expected<Part> own_part(const SiteNodeConfig& config) {
 }
 
 }  // namespace
+
+Expected<void> check_files(const SiteNodeConfig& config) {
+    const auto part = own_part(config);
+    return part ? Expected<void>() : tl::unexpected(part.error());
+}
 
 Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token stop) {
     const auto part = own_part(config);

@@ -16,7 +16,13 @@ int main(int argc, char** argv) {
         "  camera_node --config deploy/sites/hall.toml --host north\n"
         "  camera_node --config deploy/sites/hall.toml --host north --learn-background "
         "--segmentation.background_folder BACKGROUNDS",
-        [&] { return config.list_cameras; }};
+        [&] { return config.list_cameras; },
+        {},
+        {},
+        [&] {
+            site_node::resolve(config);
+            return camera_node::check_files(config);
+        }};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             site_node::read_tables(reader, config);

@@ -124,6 +124,7 @@ void HostTable::add(bus::CameraSilhouette silhouette,
         return;
     }
     host->last_heard = arrival;
+    host->has_grace = false;
     host->epoch = silhouette.clock_epoch;
     host->has_our_rig = silhouette.rig == options_.rig;
     enter(*host, judge(*host, arrival), arrival);
@@ -237,8 +238,9 @@ std::string HostTable::why(const Host& host) const {
                 "that host\"",
                 host.delays.empty() ? 0.0 : milliseconds(host.delays.back()));
         default:
-            return "reason=\"nothing comes from it\" advice=\"is camera_node running there? is the "
-                   "network up?\"";
+            return "reason=\"nothing comes from it\" advice=\"is camera_node running there? its "
+                   "first "
+                   "start may prepare pictures for a minute; is the network up?\"";
     }
 }
 
@@ -280,7 +282,18 @@ void HostTable::tell(Host& host, Time now) {
                                    milliseconds(host.clock.error))});
 }
 
+// This program stood still: what the hosts sent meanwhile is about to be taken.
+void HostTable::give_grace(Time now) {
+    for (Host& host : hosts_) {
+        if (!host.last_heard || now - *host.last_heard <= silence()) continue;
+        if (host.state != bus::HostState::kMissing && !std::exchange(host.has_grace, true))
+            host.last_heard = now - silence() / 2;
+    }
+}
+
 void HostTable::look(Time now) {
+    if (last_look_ && now - *last_look_ > silence()) give_grace(now);
+    last_look_ = now;
     for (Host& host : hosts_) enter(host, judge(host, now), now);
 }
 

@@ -69,6 +69,7 @@ private:
         std::uint64_t epoch = 0;                    // of its last silhouette
         bool has_our_rig = true;                    // by its last silhouette
         std::optional<Time> last_heard;
+        bool has_grace = false;                       // since it was heard
         std::deque<std::chrono::nanoseconds> delays;  // of the last pictures
         HostClock::Estimate clock;                    // if it has one
         bus::HostState state = bus::HostState::kMissing;
@@ -82,6 +83,7 @@ private:
     Host* claim(const bus::CameraSilhouette& silhouette, Time now);
     std::chrono::nanoseconds silence() const;
     bus::HostState judge(Host& host, Time now) const;
+    void give_grace(Time now);
     void enter(Host& host, bus::HostState state, Time now);
     void tell(Host& host, Time now);
     std::string why(const Host& host) const;
@@ -95,6 +97,7 @@ private:
     std::vector<Time> last_pictures_;  // per camera
     std::vector<HostEvent> events_;
     bool told_stranger_ = false;
+    std::optional<Time> last_look_;
 };
 
 }  // namespace atrium::hosts

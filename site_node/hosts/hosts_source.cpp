@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <thread>
 #include <utility>
@@ -141,6 +142,12 @@ void HostsSource::take(const Sink& sink) {
                                      report.num_rejected,
                                      report.first_rejection));
     }
+    {
+        const std::lock_guard lock(mutex_);
+        for (const capture::CameraFrame& frame : frames_) {
+            if (!frame.is_lost()) counters_[frame.camera].last_picture = Clock::now();
+        }
+    }
     for (capture::CameraFrame& frame : frames_) sink(std::move(frame));
     frames_.clear();
 }
@@ -161,10 +168,12 @@ void HostsSource::take_statuses() {
             counters.num_dropped = camera.num_dropped;
             counters.num_backwards = camera.num_backwards;
             counters.num_reconnects = camera.num_reconnects;
-            if (camera.last_picture_age_ms >= 0.0)
-                counters.last_picture =
-                    Clock::now() - std::chrono::microseconds(static_cast<std::int64_t>(
-                                       1e3 * std::min(camera.last_picture_age_ms, 1e9)));
+            if (camera.last_picture_age_ms < 0.0) continue;
+            const std::chrono::microseconds age(
+                static_cast<std::int64_t>(1e3 * std::min(camera.last_picture_age_ms, 1e9)));
+            // its silhouettes came later, if it is in use
+            counters.last_picture =
+                std::max(counters.last_picture.value_or(Clock::time_point{}), Clock::now() - age);
         }
     });
 }

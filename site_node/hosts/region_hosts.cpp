@@ -92,11 +92,12 @@ void RegionHosts::order(std::uint64_t frame_id,
     }
 }
 
-// Whether an answer has each region of its host, and no other.
-bool RegionHosts::is_complete(const bus::RegionMeshes& answer, const RegionHost& host) const {
+// Whether an answer has each region of its host and no other, and all are of our rig.
+bool RegionHosts::is_ours(const bus::RegionMeshes& answer, const RegionHost& host) const {
     return answer.regions.size() == host.regions.size() &&
            std::ranges::all_of(answer.regions, [&](const bus::RegionHull& hull) {
-               return std::ranges::find(host.regions, hull.region) != host.regions.end();
+               return hull.outcome != bus::RegionOutcome::kOtherRig &&
+                      std::ranges::find(host.regions, hull.region) != host.regions.end();
            });
 }
 
@@ -104,16 +105,18 @@ void RegionHosts::take_answers(std::vector<std::optional<bus::RegionMeshes>>& an
     const auto report = bus_.meshes.take([&](bus::RegionMeshes&& answer) {
         if (answer.site != options_.site) return;
         const auto host = std::ranges::find(options_.hosts, answer.host, &RegionHost::name);
-        if (host == options_.hosts.end() || !is_complete(answer, *host)) {
+        if (host == options_.hosts.end()) {
             complaints_.warn(fmt::format(
-                "meshes_rejected host={} reason=\"the site's file gives this host other regions\" "
+                "meshes_rejected host={} reason=\"the site's file gives this host no regions\" "
                 "advice=\"use one file on all hosts of the site\"",
                 answer.host));
             return;
         }
         const auto index = static_cast<std::size_t>(host - options_.hosts.begin());
         const std::lock_guard lock(mutex_);
-        if (table_.answered(index, answer.frame_id, Clock::now()))
+        if (!is_ours(answer, *host))
+            table_.refused(index, Clock::now());
+        else if (table_.answered(index, answer.frame_id, Clock::now()))
             answers[index] = std::move(answer);
     });
     if (report.num_rejected > 0)
@@ -126,7 +129,7 @@ bus::RegionMeshes RegionHosts::without_answer(std::size_t host, std::uint64_t fr
     failed.site = options_.site;
     failed.host = options_.hosts[host].name;
     failed.frame_id = frame_id;
-    failed.reason = failures_[host].empty() ? "it did not answer" : failures_[host];
+    failed.reason = failures_[host].empty() ? table_.why_without_answer(host) : failures_[host];
     for (const std::uint32_t region : options_.hosts[host].regions)
         failed.regions.push_back({region, bus::RegionOutcome::kFailed, 0});
     failed.left_out.num_regions_failed = failed.regions.size();
@@ -153,21 +156,21 @@ std::vector<bus::RegionMeshes> RegionHosts::collect(std::uint64_t frame_id) {
     }
     for (const HostEvent& event : events) log(event);
     std::vector<bus::RegionMeshes> all;
-    for (std::size_t i = 0; i < answers.size(); ++i)
-        all.push_back(answers[i] ? std::move(*answers[i]) : without_answer(i, frame_id));
     for (std::size_t i = 0; i < answers.size(); ++i) {
+        all.push_back(answers[i] ? std::move(*answers[i]) : without_answer(i, frame_id));
         if (answers[i] && !all[i].reason.empty())
-            complaints_.warn(fmt::format("regions_failed host={} failed={} reason=\"{}\"",
-                                         all[i].host,
-                                         all[i].left_out.num_regions_failed,
-                                         all[i].reason));
+            failed_.warn(all[i].reason,
+                         fmt::format("regions_failed host={} failed={} reason=\"{}\"",
+                                     all[i].host,
+                                     all[i].left_out.num_regions_failed,
+                                     all[i].reason));
     }
     return all;
 }
 
 std::vector<bus::HostStatus> RegionHosts::statuses() const {
     const std::lock_guard lock(mutex_);
-    return table_.statuses();
+    return table_.statuses(Clock::now());
 }
 
 }  // namespace atrium::hosts

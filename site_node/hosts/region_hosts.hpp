@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/app/lasting_log.hpp"
 #include "core/app/log.hpp"
 #include "core/bus/bus.hpp"
 #include "core/bus/messages.hpp"
@@ -50,7 +51,7 @@ private:
 
     RegionHosts(RegionHostsOptions options, Bus bus);
     void take_answers(std::vector<std::optional<bus::RegionMeshes>>& answers);
-    bool is_complete(const bus::RegionMeshes& answer, const RegionHost& host) const;
+    bool is_ours(const bus::RegionMeshes& answer, const RegionHost& host) const;
     bus::RegionMeshes without_answer(std::size_t host, std::uint64_t frame_id) const;
 
     RegionHostsOptions options_;
@@ -61,6 +62,7 @@ private:
     mutable std::mutex mutex_;           // guards `table_`
     RegionTable table_;
     app::log::OncePerSecond complaints_;
+    app::log::LastingLog failed_;
 };
 
 }  // namespace atrium::hosts

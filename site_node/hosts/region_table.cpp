@@ -68,6 +68,12 @@ bool RegionTable::answered(std::size_t i, std::uint64_t frame_id, Time now) {
     return is_last;
 }
 
+void RegionTable::refused(std::size_t i, Time now) {
+    hosts_[i].last_answer = now;
+    hosts_[i].is_new = false;
+    enter(i, bus::HostState::kOtherRig, now);
+}
+
 void RegionTable::end(Time now) {
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
         Host& host = hosts_[i];
@@ -107,29 +113,52 @@ void RegionTable::tell(std::size_t i, Time now) {
             {false, fmt::format("host_in_use host={} regions={}", name, names_[i].regions.size())});
         return;
     }
-    const std::string why =
-        host.state == bus::HostState::kLate
-            ? fmt::format(
-                  "reason=\"its meshes come more than {:.0f} ms after their silhouettes\" "
-                  "advice=\"give it fewer regions or more cores: atrium plan; atrium "
-                  "doctor on that host\"",
-                  milliseconds(patience_))
-            : std::string(
-                  "reason=\"nothing comes from it\" advice=\"is site_node running there? "
-                  "is the network up?\"");
     events_.push_back(
         {true,
-         fmt::format("host_left_out host={} regions={} {}", name, names_[i].regions.size(), why)});
+         fmt::format(
+             "host_left_out host={} regions={} {}", name, names_[i].regions.size(), why(host))});
+}
+
+std::string RegionTable::why_without_answer(std::size_t i) const {
+    switch (hosts_[i].state) {
+        case bus::HostState::kLate:
+            return "its meshes come too late";
+        case bus::HostState::kOtherRig:
+            return "its rig, [hull] or regions differ from this host's";
+        case bus::HostState::kMissing:
+            return "nothing comes from it";
+        default:
+            return "it did not answer";
+    }
+}
+
+std::string RegionTable::why(const Host& host) const {
+    switch (host.state) {
+        case bus::HostState::kLate:
+            return fmt::format(
+                "reason=\"its meshes come more than {:.0f} ms after their silhouettes\" "
+                "advice=\"give it fewer regions or more cores: atrium plan; atrium doctor on that "
+                "host\"",
+                milliseconds(patience_));
+        case bus::HostState::kOtherRig:
+            return "reason=\"its rig, [hull] or regions differ from this host's\" advice=\"copy "
+                   "the "
+                   "site's file and its rig to all hosts, and start site_node there anew\"";
+        default:
+            return "reason=\"nothing comes from it\" advice=\"is site_node running there? is the "
+                   "network up?\"";
+    }
 }
 
 std::vector<HostEvent> RegionTable::take_events() { return std::exchange(events_, {}); }
 
-std::vector<bus::HostStatus> RegionTable::statuses() const {
+std::vector<bus::HostStatus> RegionTable::statuses(Time now) const {
     std::vector<bus::HostStatus> statuses;
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
         bus::HostStatus status;
         status.name = names_[i].name;
-        status.state = hosts_[i].state;
+        const bool is_overdue = waits_for(i) && now - begun_ > patience_ / 2;
+        status.state = is_overdue ? bus::HostState::kMissing : hosts_[i].state;
         status.num_regions = static_cast<std::uint32_t>(names_[i].regions.size());
         status.num_left_out = hosts_[i].num_left_out;
         statuses.push_back(std::move(status));

@@ -24,7 +24,7 @@ struct RegionHost {
 /// A metaframe waits for a host in use for five periods, a quarter of a second at least. Then the
 /// host is missing, or too late if it answered an older order meanwhile, and nobody waits for it
 /// any more. It still gets every order. A missing host is in use again with its first answer to a
-/// young order, one that was too late after ten in a row.
+/// young order, as is one that had another rig; one that was too late after ten in a row.
 class RegionTable {
 public:
     using Time = std::chrono::steady_clock::time_point;
@@ -46,12 +46,19 @@ public:
     /// Takes an answer of `host` to order `frame_id`. True if it is one to the last order.
     bool answered(std::size_t host, std::uint64_t frame_id, Time now);
 
+    /// Takes an answer of `host` that says or shows that its rig, [hull] or regions are others.
+    void refused(std::size_t host, Time now);
+
     /// The metaframe of the last order goes on.
     void end(Time now);
 
+    /// Why the metaframe of the last order goes on without this host.
+    std::string why_without_answer(std::size_t host) const;
+
     const std::vector<RegionHost>& hosts() const { return names_; }
     std::vector<HostEvent> take_events();
-    std::vector<bus::HostStatus> statuses() const;
+    /// A host for which the last order waits for more than half the patience counts as missing.
+    std::vector<bus::HostStatus> statuses(Time now) const;
 
 private:
     struct Order {
@@ -74,6 +81,7 @@ private:
 
     void enter(std::size_t host, bus::HostState state, Time now);
     void tell(std::size_t host, Time now);
+    std::string why(const Host& host) const;
 
     std::vector<RegionHost> names_;
     std::chrono::nanoseconds patience_;

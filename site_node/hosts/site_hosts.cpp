@@ -1,6 +1,7 @@
 #include "site_node/hosts/site_hosts.hpp"
 
 #include "core/bus/names.hpp"
+#include "core/config/spelling.hpp"
 
 #include <fmt/format.h>
 
@@ -25,6 +26,17 @@ std::vector<std::string> names_of(const std::vector<HostEntry>& hosts) {
     return names;
 }
 
+// " (did you mean 'north'?)", or nothing.
+std::string meant_by(const std::string& written, const std::vector<std::string>& names) {
+    const std::string question = config::ask_which(config::names_meant_by(written, names));
+    return question.empty() ? "" : " (" + question + ")";
+}
+
+std::string where_twice(const std::string& first, const std::string& second) {
+    return first == second ? fmt::format("twice on '{}'", first)
+                           : fmt::format("on '{}' and on '{}'", first, second);
+}
+
 }  // namespace
 
 void read_hosts(config::TableReader& reader, std::vector<HostEntry>& hosts) {
@@ -38,19 +50,18 @@ void read_hosts(config::TableReader& reader, std::vector<HostEntry>& hosts) {
         if (table.has_array("cameras")) {
             table.read("cameras", host.cameras);
         } else {
-            std::string which;
-            table.read("cameras", which, {"auto"});
+            std::string which = table.has("cameras") ? "" : "none";
+            table.read("cameras", which);
             host.takes_any = which == "auto";
+            if (!host.takes_any && which != "none")
+                table.reject("cameras",
+                             "must be \"auto\" or a list of cameras of the rig, as in [\"door\"]");
         }
         table.read("model", host.is_model);
         table.read("regions", host.regions);
         table.read("cores", host.cores, {1, 1024});
         table.read("score", host.score, {0, 1e6});
         table.read("link_gbit_per_s", host.link_gbit_per_s, {1e-3, 1e3});
-        if (!host.is_model && !host.takes_any && host.cameras.empty() && host.regions.empty())
-            table.reject("cameras",
-                         "must name cameras of the rig, or be \"auto\": a host without cameras, "
-                         "without regions and without model = true has nothing to do");
         hosts.push_back(std::move(host));
     }
 }
@@ -76,22 +87,26 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
                          host.name);
         if (host.is_model) model = &host;
         takes_any |= host.takes_any;
+        if (!host.is_model && !host.takes_any && host.cameras.empty() && host.regions.empty())
+            return wrong(host.place,
+                         "'{}' has nothing to do: give it cameras of the rig, cameras = \"auto\", "
+                         "regions, or model = true",
+                         host.name);
         for (const std::string& region : host.regions) {
             if (std::ranges::find(regions, region) == regions.end())
-                return wrong(
-                    host.place,
-                    "'{}' computes region '{}', which the file lacks; its [[hull.region]] "
-                    "are {}",
-                    host.name,
-                    region,
-                    regions.empty() ? "none" : fmt::format("{}", fmt::join(regions, ", ")));
+                return wrong(host.place,
+                             "'{}' computes region '{}', which the file lacks; its [[hull.region]] "
+                             "are {}{}",
+                             host.name,
+                             region,
+                             regions.empty() ? "none" : fmt::format("{}", fmt::join(regions, ", ")),
+                             meant_by(region, {regions.begin(), regions.end()}));
             const auto [former, is_new] = region_hosts.emplace(region, host.name);
             if (!is_new)
                 return wrong(host.place,
-                             "region '{}' is on '{}' and on '{}'",
+                             "region '{}' is {}: each is computed once",
                              region,
-                             former->second,
-                             host.name);
+                             where_twice(former->second, host.name));
         }
         for (const std::string& camera : host.cameras) {
             if (std::ranges::find(rig.cameras, camera, &geometry::CalibratedCamera::name) ==
@@ -99,25 +114,29 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
                 std::vector<std::string> names;
                 for (const auto& each : rig.cameras) names.push_back(each.name);
                 return wrong(host.place,
-                             "'{}' has camera '{}', which the rig lacks; it has {}",
+                             "'{}' has camera '{}', which the rig lacks; it has {}{}",
                              host.name,
                              camera,
-                             fmt::join(names, ", "));
+                             fmt::join(names, ", "),
+                             meant_by(camera, names));
             }
             const auto [former, is_new] = host_of_camera.emplace(camera, host.name);
             if (!is_new)
                 return wrong(host.place,
-                             "camera '{}' hangs on '{}' and on '{}'",
+                             "camera '{}' is {}: it hangs on one",
                              camera,
-                             former->second,
-                             host.name);
+                             where_twice(former->second, host.name));
         }
     }
     if (model == nullptr)
         return wrong(hosts.front().place, "none has model = true: which one computes the hull?");
     for (const geometry::CalibratedCamera& camera : rig.cameras) {
         if (!takes_any && !host_of_camera.contains(camera.name))
-            return wrong(hosts.front().place, "camera '{}' hangs on none", camera.name);
+            return wrong(
+                hosts.front().place,
+                "camera '{}' hangs on none: add it to the cameras of its host, or give one "
+                "host cameras = \"auto\"",
+                camera.name);
     }
     return {};
 }
@@ -144,9 +163,11 @@ Expected<HostEntry> find_host(const std::vector<HostEntry>& hosts, const std::st
     if (found != hosts.end()) return *found;
     return make_error(
         ErrorKind::kConfiguration,
-        fmt::format("this host, '{}', is none of the site's: {}; --host names another",
+        fmt::format("no [[host]] of the site is named '{}'; there are {}{}; --host NAME says which "
+                    "one this computer is",
                     name,
-                    fmt::join(names_of(hosts), ", ")));
+                    fmt::join(names_of(hosts), ", "),
+                    meant_by(name, names_of(hosts))));
 }
 
 std::vector<std::string> cameras_of(const HostEntry& host,

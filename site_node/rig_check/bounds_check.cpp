@@ -1,16 +1,20 @@
 #include "site_node/rig_check/bounds_check.hpp"
 
+#include "site_node/rig_check/agreeing_depths.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 namespace atrium::rig_check {
 namespace {
 
 constexpr double kTooLarge = 15.0;  // times the distance between the cameras
 constexpr double kTooSmall = 0.02;
+constexpr int kPointsPerSide = 9;  // of a grid in a region
 
 struct LengthUnit {
     const char* plural;
@@ -52,6 +56,37 @@ std::optional<Finding> check_bounds(const geometry::Aabb& bounds_site,
                     likely.plural,
                     size_m / unit_m * likely.metres,
                     own == kLengthUnits.end() ? "its units" : own->plural)};
+}
+
+std::optional<Finding> check_region(const geometry::Aabb& bounds_site,
+                                    std::span<const geometry::CalibratedCamera> cameras) {
+    geometry::Aabb reach;  // as far beyond the cameras as they are apart
+    for (const auto& camera : cameras) reach.add(camera.centre_site());
+    const double margin_m = reach.size().norm();
+    reach.min.array() -= margin_m;
+    reach.max.array() += margin_m;
+    std::vector<hull::SilhouetteView> views(cameras.size());
+    std::vector<Projector> projectors;
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        views[i].intrinsics = cameras[i].intrinsics;
+        views[i].camera_from_site = cameras[i].camera_from_site;
+        projectors.emplace_back(views[i], true);
+    }
+    for (int i = 0; i < kPointsPerSide * kPointsPerSide * kPointsPerSide; ++i) {
+        const Eigen::Array3d cell(i % kPointsPerSide,
+                                  i / kPointsPerSide % kPointsPerSide,
+                                  i / kPointsPerSide / kPointsPerSide);
+        const Eigen::Vector3d point =
+            bounds_site.min.array() + bounds_site.size().array() * (cell + 0.5) / kPointsPerSide;
+        if (!reach.contains(point)) continue;
+        const auto num_seeing = std::ranges::count_if(
+            projectors, [&](const Projector& camera) { return camera.is_in_picture(point); });
+        if (num_seeing >= 2) return std::nullopt;
+    }
+    return Finding{false,
+                   "its bounds lie outside the room, where no two cameras of the rig look: nobody "
+                   "can be found there; "
+                   "they are in metres, in the frame of the site"};
 }
 
 }  // namespace atrium::rig_check

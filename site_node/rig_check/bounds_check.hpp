@@ -16,4 +16,9 @@ std::optional<Finding> check_bounds(const geometry::Aabb& bounds_site,
                                     std::span<const geometry::CalibratedCamera> cameras,
                                     double unit_m);
 
+/// Doubts a region of the room [m] in which no point is in the pictures of two cameras, or that is
+/// farther beyond the cameras than they are apart.
+std::optional<Finding> check_region(const geometry::Aabb& bounds_site,
+                                    std::span<const geometry::CalibratedCamera> cameras);
+
 }  // namespace atrium::rig_check

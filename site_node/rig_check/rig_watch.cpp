@@ -266,6 +266,7 @@ void RigWatch::judge_bounds(const Look& look, const Agreement& agreement) {
 }
 
 void RigWatch::judge_size(const Look& look, const Agreement& agreement) {
+    if (!look.is_hull_whole) return;
     if (const auto wrong = check_size(look.hull_extent, look.hull_volume_m3, agreement.share())) {
         vote("size", kFewVotes, "hull_size_implausible", *wrong);
     } else {

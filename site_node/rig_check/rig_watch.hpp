@@ -21,6 +21,7 @@ struct Look {
     std::vector<views::NamedView> views;
     geometry::Aabb hull_extent;  // empty: no hull, or an empty one
     double hull_volume_m3 = 0.0;
+    bool is_hull_whole = true;  // false: without the hulls of other hosts, it shows no size
     std::optional<Footing> footing;
     /// Cameras whose pictures show the learned room elsewhere.
     struct Shifted {

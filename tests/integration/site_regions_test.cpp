@@ -78,8 +78,8 @@ TEST_F(SiteWithRegions, HostsWithAnotherRigAreNamed) {
     }
     EXPECT_TRUE(hull_says("host_left_out host=right", 0)) << hull().output();
     EXPECT_THAT(hull().output(), HasSubstr("its rig has other cameras, lenses or poses"));
-    EXPECT_TRUE(
-        hull_says("regions_failed host=help failed=1 reason=\"its rig or [hull] differs", 0))
+    EXPECT_TRUE(hull_says(
+        "host_left_out host=help regions=1 reason=\"its rig, [hull] or regions differ", 0))
         << hull().output();
 }
 

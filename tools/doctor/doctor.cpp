@@ -24,6 +24,28 @@ std::string without_sudo(std::string command) {
     return command;
 }
 
+// The programs know their files best. What they refuse as wrong is an error here as well, except a
+// rig, which is a finding of its own.
+Expected<void> ask_programs(const Options& options, const Wishes& wishes, const System& system) {
+    if (options.programs.empty() || !options.root.empty()) return {};
+    for (const Wishes::Reader& asked : wishes.readers) {
+        std::vector<std::string> command{
+            (options.programs / asked.program).string(), "--config", wishes.file.string()};
+        if (!asked.host.empty()) command.insert(command.end(), {"--host", asked.host});
+        command.insert(command.end(), {"--log-level", "error", "--check"});
+        const auto output = system.run(command);
+        constexpr int kWrongFile = 2;
+        if (!output || output->exit_code != kWrongFile) continue;
+        const std::string before = asked.program + ": error: ";
+        const std::size_t at = output->text.find(before);
+        if (at == std::string::npos) continue;
+        const std::size_t begin = at + before.size();
+        return make_error(ErrorKind::kConfiguration,
+                          output->text.substr(begin, output->text.find('\n', begin) - begin));
+    }
+    return {};
+}
+
 }  // namespace
 
 Expected<Report> examine(const Options& options, const System& system, const TextStyle& style) {
@@ -42,6 +64,10 @@ Expected<Report> examine(const Options& options, const System& system, const Tex
             if (!roles) return tl::unexpected(roles.error());
             request.roles = *roles;
         }
+    }
+    if (request.wishes.rig_problem.empty()) {
+        if (auto right = ask_programs(options, request.wishes, system); !right)
+            return tl::unexpected(right.error());
     }
     if (!options.network.empty()) request.wishes.network = options.network;
     if (!options.interface.empty()) request.wishes.interface = options.interface;

@@ -60,6 +60,25 @@ void blame_slow_viewers(std::vector<ProgramReport>& programs) {
     }
 }
 
+// Nodes of a site on several hosts whose model part is missing. Their names begin with that of the
+// site.
+void miss_model_parts(std::vector<ProgramReport>& programs) {
+    for (ProgramReport& node : programs) {
+        const bool is_node =
+            node.kind == ProgramKind::kCameraNode || node.kind == ProgramKind::kRegionNode;
+        if (!is_node || node.state == ProgramState::kGone || !node.has_status) continue;
+        const bool has_model_part = std::ranges::any_of(programs, [&](const ProgramReport& site) {
+            return site.kind == ProgramKind::kSiteNode && site.state == ProgramState::kPresent &&
+                   node.name.starts_with(site.name + ".");
+        });
+        if (!has_model_part)
+            node.alarms.push_back({"the model part of its site is missing",
+                                   "is site_node running there?",
+                                   "start site_node on the host with model = true, and check its "
+                                   "network"});
+    }
+}
+
 }  // namespace
 
 std::size_t Report::num_here() const {
@@ -233,6 +252,7 @@ Report WorldModel::report(Clock::time_point now, Timestamp time) {
     for (const auto& [key, program] : programs_)
         report.programs.push_back(report_of(key, program, now, time));
     blame_slow_viewers(report.programs);
+    miss_model_parts(report.programs);
     for (const auto& [key, stream] : streams_)
         report.streams.push_back(report_of(key, stream, now));
     report.notices.assign(report_notices_.begin(), report_notices_.end());

@@ -44,21 +44,14 @@ Expected<SitePlan> make(const Options& options) {
     site_node::SiteNodeConfig& config = *loaded;
     const int num_threads = config.threads;  // before 0 becomes that of this host
     site_node::resolve(config);
-    if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
-    if (auto found = check_places(config); !found) return tl::unexpected(found.error());
-    auto rig = site_node::load_checked_rig(config);
+    auto rig = site_node::load_checked_description(config);
     if (!rig) return tl::unexpected(rig.error());
-    if (!config.hosts.empty()) {
-        if (auto fits = site_node::check_hosts(config, *rig); !fits)
-            return tl::unexpected(fits.error());
-        if (const auto sharing = hosts::hosts_that_share(config.hosts); !sharing.empty())
-            return make_error(
-                ErrorKind::kConfiguration,
-                fmt::format(
-                    "host: {} have cameras = \"auto\"; which has which shows only when they "
-                    "run: name the cameras of each for a plan",
-                    fmt::join(sharing, " and ")));
-    }
+    if (const auto sharing = hosts::hosts_that_share(config.hosts); !sharing.empty())
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("host: {} have cameras = \"auto\"; which has which shows only when they "
+                        "run: name the cameras of each for a plan",
+                        fmt::join(sharing, " and ")));
     auto costs = load_costs(options.costs.empty() ? default_costs() : options.costs);
     if (!costs) return tl::unexpected(costs.error());
     PlanInput input;

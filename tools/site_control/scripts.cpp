@@ -97,8 +97,12 @@ std::string status_script(const std::string& site, const std::vector<Program>& p
             "if runs {0}; then\n"
             "  seconds=$(($(cut -d . -f 1 /proc/uptime) - began / $(getconf CLK_TCK)))\n"
             "  echo \"runs {0} $pid, for $seconds s\"\n"
-            "else echo \"does not run {0}\"; fi\n"
-            "grep -E ' (warning|error) ' run/{0}.log 2>/dev/null | tail -n 1 | sed 's/^/  /'\n",
+            "  grep -E ' (warning|error) ' run/{0}.log 2>/dev/null | tail -n 1 | sed 's/^/  /'\n"
+            "else\n"
+            "  echo \"does not run {0}\"\n"
+            // why it ended, not what was wrong long before somebody ended it
+            "  tail -n 1 run/{0}.log 2>/dev/null | grep -E ' error[: ]' | sed 's/^/  /'\n"
+            "fi\n",
             program.name);
     }
     return script + "exit 0\n";

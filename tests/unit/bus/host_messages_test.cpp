@@ -80,7 +80,7 @@ TEST(FromWire, RefusesEachBadFieldOfRegionMeshes) {
         meshes,
         {{"regions", [](W& w) { w.regions._buffer[1].region = 0; }},
          {"regions", [](W& w) { w.regions._buffer[1].region = 64; }},
-         {"regions", [](W& w) { w.regions._buffer[1].outcome = 3; }},
+         {"regions", [](W& w) { w.regions._buffer[1].outcome = 4; }},
          {"regions", [](W& w) { w.regions._buffer[1].outcome = 1; }},
          {"regions", [](W& w) { w.regions._buffer[1].num_bytes = 0xffffffff; }},
          {"regions", [](W& w) { w.regions._buffer[0].num_bytes = 1; }},

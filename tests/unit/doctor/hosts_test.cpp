@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <algorithm>
+
 // What is no fault on one host of a site on several hosts.
 namespace atrium::doctor {
 namespace {
@@ -30,6 +32,48 @@ TEST(DoctorHosts, AreSilentIfHealthy) {
     const FakeHost host(hosts_folder("healthy_hosts"));
     for (const std::string name : {"", "left", "right", "hull", "stairs"})
         EXPECT_EQ(report_on(host, name), "") << name;
+}
+
+// Hosts that are simulated on one.
+TEST(DoctorHosts, MayRunBesideEachOther) {
+    const auto report = [](const std::string& first, const std::string& second) {
+        FakeHost host(hosts_folder("beside"));
+        const auto run = [&](int id, const std::string& name) {
+            std::string command = "camera_node --config hall.toml " + name;
+            std::ranges::replace(command, ' ', '\0');
+            host.add_process(id, "camera_node", command);
+        };
+        run(801, first);
+        run(802, second);
+        return report_on(host, "left");
+    };
+    EXPECT_EQ(report("--host left", "--host right"), "");
+    EXPECT_EQ(report("--host=left", "--site.host right"), "");
+    EXPECT_THAT(
+        report("--host left", "--host=left"),
+        HasSubstr("camera_node --host left runs 2 times on this host (processes 801, 802)"));
+}
+
+// The programs know the rules of their files.
+TEST(DoctorHosts, SayWhatTheProgramsRefuse) {
+    FakeHost host(hosts_folder("refused"));
+    const std::string file = host.write_hosts(30.0).string();
+    const auto refuse = [&](const std::string& program, const std::string& name, int exit_code) {
+        host.outputs[program + " --config " + file + " --host " + name +
+                     " --log-level error --check"] = {
+            exit_code,
+            "2026-11-28 error camera_node x\n" + program + ": error: " + file +
+                ":7: unknown key 'camera' of " + name + "\n"};
+    };
+    refuse("camera_node", "left", 2);
+    refuse("site_node", "hull", 2);
+    refuse("site_node", "stairs", 3);  // a missing file is a finding of its own
+    EXPECT_EQ(report_on(host, "left"), file + ":7: unknown key 'camera' of left");
+    EXPECT_EQ(report_on(host, "hull"), file + ":7: unknown key 'camera' of hull");
+    EXPECT_EQ(report_on(host, "stairs"), "");
+    EXPECT_EQ(report_on(host, "right"), "");
+    EXPECT_EQ(report_on(host, "attic"), file + ":7: unknown key 'camera' of left")
+        << "the part of the first host";
 }
 
 TEST(DoctorHosts, TakeTheirNameFromTheSystem) {

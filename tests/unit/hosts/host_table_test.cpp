@@ -206,6 +206,37 @@ TEST_F(HostTableTest, ASilentHostIsMissingAfterAQuarterSecond) {
     EXPECT_THAT(events(), HasSubstr("host_in_use host=left"));
 }
 
+// This program was stopped: what came meanwhile waits to be taken.
+TEST_F(HostTableTest, ItsOwnStandstillBlamesNobody) {
+    table_.look(steady_);
+    ask("left", nanoseconds(0));
+    ask("right", nanoseconds(0));
+    see("left", 0);
+    see("right", 2);
+    events();
+    pass(milliseconds(2000));
+    table_.look(steady_);
+    see("left", 0);
+    pass(milliseconds(100));
+    table_.look(steady_);
+    EXPECT_EQ(events(), "");
+    pass(milliseconds(100));
+    table_.look(steady_);
+    EXPECT_THAT(events(), HasSubstr("host_left_out host=right")) << "it was lost meanwhile";
+    EXPECT_EQ(state(0), HostState::kInUse);
+}
+
+TEST_F(HostTableTest, AProgramThatStandsStillAgainAndAgainFindsAHostThatIsLost) {
+    table_.look(steady_);
+    ask("left", nanoseconds(0));
+    see("left", 0);
+    for (int i = 0; i < 3; ++i) {
+        pass(milliseconds(300));
+        table_.look(steady_);
+    }
+    EXPECT_EQ(state(0), HostState::kMissing);
+}
+
 TEST_F(HostTableTest, TellsOfHostsThatNeverComeAfterAWhile) {
     table_.look(steady_);
     pass(milliseconds(2900));

@@ -49,7 +49,7 @@ protected:
         now_ = std::max(now_, time);
         table_.answered(what.first, what.second, now_);
     }
-    HostState state(std::size_t host) const { return table_.statuses()[host].state; }
+    HostState state(std::size_t host) const { return table_.statuses(now_)[host].state; }
 
     RegionTable table_{{{"east", {0}}, {"west", {1, 2}}}, kRegionPeriod};
     std::array<bool, 2> is_there_{};
@@ -65,8 +65,8 @@ TEST_F(RegionTableTest, WaitsForAllHostsFromTheFirstOrderOn) {
     EXPECT_EQ(state(0), HostState::kInUse);
     EXPECT_EQ(state(1), HostState::kInUse);
     EXPECT_THAT(log_, HasSubstr("host_in_use host=west regions=2"));
-    EXPECT_EQ(table_.statuses()[1].num_regions, 2u);
-    EXPECT_EQ(table_.statuses()[1].num_left_out, 0u);
+    EXPECT_EQ(table_.statuses(now_)[1].num_regions, 2u);
+    EXPECT_EQ(table_.statuses(now_)[1].num_left_out, 0u);
 }
 
 TEST_F(RegionTableTest, AHostThatDiesCostsOneWait) {
@@ -80,7 +80,7 @@ TEST_F(RegionTableTest, AHostThatDiesCostsOneWait) {
     EXPECT_EQ(order(5ms, {}), 5ms);
     EXPECT_EQ(state(1), HostState::kMissing);
     EXPECT_THAT(log_, HasSubstr("host_left_out host=west regions=2 reason=\"nothing comes"));
-    EXPECT_EQ(table_.statuses()[1].num_left_out, 22u);
+    EXPECT_EQ(table_.statuses(now_)[1].num_left_out, 22u);
     // found again: waited for at once
     EXPECT_EQ(order(5ms, 30ms), 30ms);
     EXPECT_EQ(state(1), HostState::kInUse);
@@ -107,6 +107,37 @@ TEST_F(RegionTableTest, AHostThatIsFoundButNeverAnswersCostsOneWait) {
     EXPECT_THAT(log_, HasSubstr("host_left_out host=east"));
 }
 
+TEST_F(RegionTableTest, AHostWithAnotherRigIsNamedAndNobodyWaitsForIt) {
+    order(5ms, 5ms);
+    table_.begin(++frame_, {true, true}, now_);
+    table_.answered(0, frame_, now_);
+    table_.refused(1, now_);
+    EXPECT_FALSE(table_.waits_for_any());
+    table_.end(now_);
+    EXPECT_EQ(state(1), HostState::kOtherRig);
+    EXPECT_THAT(table_.why_without_answer(1), HasSubstr("rig"));
+    EXPECT_EQ(table_.statuses(now_)[1].num_left_out, 1u);
+    EXPECT_EQ(order(5ms, {}), 5ms);
+    EXPECT_THAT(log_, HasSubstr("host_left_out host=west regions=2 reason=\"its rig, [hull]"));
+    // started anew with the right file
+    order(5ms, 9ms);
+    EXPECT_EQ(state(1), HostState::kInUse);
+    EXPECT_EQ(order(5ms, 9ms), 9ms);
+}
+
+TEST_F(RegionTableTest, AHostThatIsOverdueIsShownAsMissing) {
+    order(5ms, 5ms);
+    table_.begin(++frame_, {true, true}, now_);
+    table_.answered(0, frame_, now_);
+    now_ += 120ms;
+    EXPECT_EQ(state(1), HostState::kInUse);
+    now_ += 20ms;
+    EXPECT_EQ(state(1), HostState::kMissing);
+    EXPECT_EQ(state(0), HostState::kInUse);
+    table_.answered(1, frame_, now_);
+    EXPECT_EQ(state(1), HostState::kInUse);
+}
+
 TEST_F(RegionTableTest, AnswersToUnknownOrdersCountForNothing) {
     table_.begin(7, {true, true}, now_);
     EXPECT_FALSE(table_.answered(0, 3, now_));
@@ -125,7 +156,7 @@ TEST_F(RegionTableTest, NobodyWaitsForAnOrderThatDidNotLeave) {
     EXPECT_FALSE(table_.waits_for_any());
     table_.end(now_ + 5ms);
     EXPECT_EQ(state(1), HostState::kInUse);  // it is not its fault
-    EXPECT_EQ(table_.statuses()[1].num_left_out, 1u);
+    EXPECT_EQ(table_.statuses(now_)[1].num_left_out, 1u);
 }
 
 // Whatever hosts do, a metaframe waits for 250 ms at most, and for a host that is silent only once.

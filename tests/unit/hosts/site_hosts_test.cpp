@@ -53,7 +53,10 @@ TEST(SiteHosts, ReadsWhichCamerasHangWhere) {
     EXPECT_FALSE(find_host(*hosts, "left")->is_model);
     EXPECT_TRUE(find_host(*hosts, "hull")->is_model);
     EXPECT_THAT(find_host(*hosts, "attic").error().message,
-                HasSubstr("this host, 'attic', is none of the site's: left, right, hull"));
+                HasSubstr("no [[host]] of the site is named 'attic'; there are left, right, hull; "
+                          "--host NAME"));
+    EXPECT_THAT(find_host(*hosts, "lefft").error().message,
+                HasSubstr("hull (did you mean left?); --host NAME"));
 }
 
 TEST(SiteHosts, AutoTakesTheCamerasThatNoOtherHostNames) {
@@ -81,11 +84,11 @@ TEST(SiteHosts, NamesWhatIsWrongAndWhere) {
     EXPECT_THAT(problem("[[host]]\nname = \"a\"\n"), HasSubstr("has nothing to do"));
     EXPECT_THAT(problem(left + "\"any\"" + model), HasSubstr("auto"));
     EXPECT_THAT(problem(left + "[\"cam0\"]" + model),
-                HasSubstr("site.toml:2: host: camera 'cam1' hangs on none"));
+                HasSubstr("site.toml:2: host: camera 'cam1' hangs on none: add it"));
     EXPECT_THAT(problem(left + "[\"cam0\", \"cam9\"]" + model),
                 HasSubstr("'left' has camera 'cam9', which the rig lacks; it has cam0, cam1"));
     EXPECT_THAT(problem(left + "[\"cam0\", \"cam0\"]" + model),
-                HasSubstr("camera 'cam0' hangs on 'left' and on 'left'"));
+                HasSubstr("camera 'cam0' is twice on 'left'"));
     EXPECT_THAT(problem(left + "\"auto\"\n"), HasSubstr("none has model = true"));
     EXPECT_THAT(problem(left + "\"auto\"" + model + model), HasSubstr("two are named 'hull'"));
     EXPECT_THAT(problem(left + "\"auto\"\nmodel = true" + model), HasSubstr("both have model"));
@@ -99,7 +102,9 @@ TEST(SiteHosts, NamesWhatIsWrongAndWhere) {
                 HasSubstr("'help' computes region 'attic', which the file lacks; its "
                           "[[hull.region]] are door, window"));
     EXPECT_THAT(problem(left + "\"auto\"" + helper + "[\"door\", \"door\"]" + model),
-                HasSubstr("region 'door' is on 'help' and on 'help'"));
+                HasSubstr("region 'door' is twice on 'help'"));
+    EXPECT_THAT(problem("[[host]]\nname = \"a\"\ncamera = [\"cam0\"]\n"),
+                HasSubstr("did you mean host[0].cameras?"));
 }
 
 TEST(SiteHosts, RegionsOfTheModelPartAreOnNoOtherHost) {

@@ -328,6 +328,25 @@ TEST_F(Model, MemoryStaysBounded) {
     EXPECT_EQ(program("lab").state, ProgramState::kPresent);
 }
 
+TEST_F(Model, NamesAMissingModelPartAtTheNodesOfItsSite) {
+    bus::CameraNodeStatus cameras;
+    cameras.site = "lab";
+    cameras.host = "north";
+    cameras.time = kStart;
+    model_.see(presence(ProgramKind::kCameraNode, "lab.north", 2), now_);
+    model_.see(cameras, now_);
+    bus::Presence site = presence(ProgramKind::kSiteNode, "lab", 1);
+    model_.see(site, now_);
+    model_.see(site_status(0, 0), now_);
+    EXPECT_THAT(program("lab.north").alarms, IsEmpty());
+    model_.gone(site, Ending::kLost, now_);
+    model_.see(presence(ProgramKind::kSiteNode, "hall", 3), now_);
+    ASSERT_EQ(program("lab.north").alarms.size(), 1u);
+    EXPECT_EQ(program("lab.north").alarms[0].what, "the model part of its site is missing");
+    model_.see(presence(ProgramKind::kSiteNode, "lab", 4), now_);
+    EXPECT_THAT(program("lab.north").alarms, IsEmpty());
+}
+
 TEST_F(Model, NoticesExpireAfterAMinute) {
     model_.notice("a stranger", now_);
     now_ += 30s;

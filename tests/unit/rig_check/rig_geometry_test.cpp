@@ -176,5 +176,15 @@ TEST(RigGeometry, NamesDistortionInAnotherOrder) {
     EXPECT_EQ(text_of(check_rig(rig)), "");
 }
 
+TEST(CheckRegion, DoubtsOneThatTheCamerasDoNotReach) {
+    const auto rig = test::make_ring_rig({.radius_m = 3.0});
+    EXPECT_FALSE(check_region({{-0.5, -0.5, 0.0}, {0.5, 0.5, 2.0}}, rig));
+    EXPECT_FALSE(check_region({{-8.0, -8.0, 0.0}, {8.0, 8.0, 2.0}}, rig)) << "larger than the room";
+    const auto far = check_region({{40.0, -2.0, 0.0}, {44.0, 2.0, 3.0}}, rig);
+    ASSERT_TRUE(far);
+    EXPECT_THAT(far->text, HasSubstr("outside the room"));
+    EXPECT_TRUE(check_region({{-0.5, -0.5, 6.0}, {0.5, 0.5, 8.0}}, rig)) << "above all pictures";
+}
+
 }  // namespace
 }  // namespace atrium::rig_check

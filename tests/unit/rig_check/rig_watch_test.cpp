@@ -60,6 +60,22 @@ TEST(RigWatch, IsSilentAboutAnEmptyRoom) {
     EXPECT_EQ(run.watch.summary(), "");
 }
 
+// A host that computes regions is missing: what is not there says nothing about the rig.
+TEST(RigWatch, JudgesNoSizeOfAHullThatIsNotWhole) {
+    for (const bool is_whole : {true, false}) {
+        WatchRun run;
+        for (std::uint64_t i = 0; i < 12; ++i) {
+            Look look = person(i);
+            look.hull_extent = {};
+            look.hull_volume_m3 = 0.0;
+            look.is_hull_whole = is_whole;
+            run.look(look);
+        }
+        EXPECT_EQ(run.lines.empty(), !is_whole);
+        for (const std::string& line : run.lines) EXPECT_THAT(line, HasSubstr("hull_empty"));
+    }
+}
+
 TEST(RigWatch, NamesSwappedCamerasOnceAndAgainAfterTenMinutes) {
     WatchRun run;
     const auto swapped = [&](std::uint64_t seed) {

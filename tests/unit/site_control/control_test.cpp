@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 using testing::Contains;
 using testing::ContainsRegex;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 using namespace std::chrono_literals;
 
@@ -143,7 +144,9 @@ TEST_F(Control, StartsShowsAndEndsThePrograms) {
     EXPECT_THAT(status, Contains(ContainsRegex("^left: runs camera_node [0-9]+, for [0-9]+ s$")));
     EXPECT_THAT(status, Contains(HasSubstr("warning camera_node something")));
     EXPECT_THAT(lines(Command::kDown), Contains("left: ended camera_node"));
-    EXPECT_THAT(lines(Command::kStatus), Contains("right: does not run camera_node"));
+    const auto ended = lines(Command::kStatus);
+    EXPECT_THAT(ended, Contains("right: does not run camera_node"));
+    EXPECT_THAT(ended, Not(Contains(HasSubstr("warning")))) << "of before";
     EXPECT_THAT(lines(Command::kDown), Contains("left: did not run camera_node"));
 }
 
@@ -153,6 +156,7 @@ TEST_F(Control, SaysWhyAProgramFails) {
     EXPECT_FALSE(is_good_);
     EXPECT_THAT(said, Contains(StartsWith("left: started camera_node ")));
     EXPECT_THAT(said, Contains("left: failed site_node: site_node: error: no network"));
+    EXPECT_THAT(lines(Command::kStatus), Contains("left:   site_node: error: no network"));
     options_.programs = "/nowhere";
     options_.hosts = {host("right")};
     EXPECT_THAT(lines(Command::kUp),

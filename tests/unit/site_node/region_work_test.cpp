@@ -101,7 +101,7 @@ TEST_F(RegionWorkTest, FailsForOtherSettings) {
     ASSERT_TRUE(work_->compute(order, executor_, answer_));
     EXPECT_EQ(answer_.left_out.num_regions_failed, 2u);
     EXPECT_TRUE(answer_.draco.empty());
-    for (const auto& hull : answer_.regions) EXPECT_EQ(hull.outcome, RegionOutcome::kFailed);
+    for (const auto& hull : answer_.regions) EXPECT_EQ(hull.outcome, RegionOutcome::kOtherRig);
     EXPECT_THAT(answer_.reason, HasSubstr("its rig or [hull] differs"));
 }
 

@@ -22,16 +22,24 @@ TEST(StageTimes, AreMediansAndBytesPerSecondOfEachTopic) {
             .silhouettes = ms, .hull = 10 * ms, .encode = 100 * ms, .total = 111 * ms};
         frame.work_milliseconds.segmentation = 30 * ms;
         times.computed(frame);
-        times.published(500, 7000, 3ms);
+        times.published(500, 7000, 3ms, 40ms);
     }
     times.update_rates(begin + 2s);
     times.put_into(status);
     EXPECT_EQ(status.stages, (bus::StageTimes{2.0, 20.0, 200.0, 3.0}));
+    EXPECT_EQ(status.capture_to_publish.median_ms, 40.0);
     EXPECT_DOUBLE_EQ(status.mesh_bytes_per_s, 750.0);
     EXPECT_DOUBLE_EQ(status.texture_bytes_per_s, 10'500.0);
     times.update_rates(begin + 3s);
     times.put_into(status);
     EXPECT_EQ(status.mesh_bytes_per_s, 0.0) << "the rate must be zero if nothing was sent since";
+    times.update_rates(begin + 4s);
+    times.put_into(status);
+    EXPECT_EQ(status.stages.hull_ms, 20.0) << "a slow site";
+    times.update_rates(begin + 5s);
+    times.put_into(status);
+    EXPECT_EQ(status.stages, bus::StageTimes{}) << "old times would show a site that works";
+    EXPECT_EQ(status.capture_to_publish.num_samples, 0u);
 }
 
 TEST(StageTimes, NameTheStageWithMostWork) {

@@ -84,8 +84,24 @@ TEST(Bottlenecks, BlameNoWorkIfTheProgramStoodStill) {
                 ElementsAre(Bottleneck{Cause::kStoodStill,
                                        "the program stood still: 3113 of 3236 steps were skipped; "
                                        "it used 0.05 cores and waited 1 % of the time for one"}));
-    now.processor.longest_wait_per_s = 0.9;
-    EXPECT_EQ(bottlenecks(figures_of(before), figures_of(now))[0].cause, Cause::kMachine);
+    for (const double waited : {0.06, 0.9}) {
+        now.processor.longest_wait_per_s = waited;
+        EXPECT_EQ(bottlenecks(figures_of(before), figures_of(now))[0].cause, Cause::kMachine);
+    }
+}
+
+TEST(Bottlenecks, BlameNobodyForTheWaitForALostHost) {
+    bus::SiteStatus before = site_after(1, 0, 0.0);
+    bus::SiteStatus now = site_after(2, 5, 0.0);
+    now.processor.run_per_s = 0.1;
+    EXPECT_EQ(bottlenecks(figures_of(before), figures_of(now))[0].cause, Cause::kStoodStill);
+    before.hosts = {{.name = "helper", .state = bus::HostState::kInUse, .num_regions = 1}};
+    now.hosts = before.hosts;
+    now.hosts[0].state = bus::HostState::kMissing;
+    EXPECT_THAT(bottlenecks(figures_of(before), figures_of(now)), IsEmpty());
+    before.hosts = now.hosts;
+    EXPECT_EQ(bottlenecks(figures_of(before), figures_of(now))[0].cause, Cause::kStoodStill)
+        << "nobody waits for a host that is missing";
 }
 
 TEST(Bottlenecks, FindTheWaitOfALossInTheReportBefore) {

@@ -88,11 +88,12 @@ void check_memory(const LoadFacts& load, Findings& findings) {
     }
 }
 
-// Two sites or two viewers on one host take each other's cores.
+// Two sites or two viewers on one host take each other's cores. Programs with different --host are
+// meant to be beside each other.
 void check_twice(const LoadFacts& load, Findings& findings) {
     std::map<std::string, std::vector<std::string>> ids;
     for (const std::string& program : load.atrium_programs) {
-        const std::size_t space = program.find(' ');
+        const std::size_t space = program.rfind(' ');
         if (space != std::string::npos)
             ids[program.substr(0, space)].push_back(program.substr(space + 1));
     }

@@ -202,8 +202,10 @@ Findings check_site_file(const Facts& facts) {
     if (!wishes.rig_problem.empty()) {
         findings.push_back(make_finding(
             "rig_unusable",
-            fmt::format(
-                "The rig of {} cannot be used: {}.", wishes.file.string(), wishes.rig_problem),
+            fmt::format("The rig of {} cannot be used: {}{}",
+                        wishes.file.string(),
+                        wishes.rig_problem,
+                        wishes.rig_problem.ends_with('?') ? "" : "."),
             wishes.source == "cameras"
                 ? fmt::format("atrium calibrate wand --config {}", shell_word(wishes.file.string()))
                 : fmt::format("grep -n rig {}", shell_word(wishes.file.string()))));

@@ -122,9 +122,10 @@ struct GraphicsFacts {
 };
 
 struct LoadFacts {
-    int cores = 0;                             // online
-    std::optional<double> busy_cores;          // by others than Atrium, over about one second
-    std::vector<std::string> atrium_programs;  // that run, "site_node 1234"
+    int cores = 0;                     // online
+    std::optional<double> busy_cores;  // by others than Atrium, over about one second
+    std::vector<std::string>
+        atrium_programs;  // that run, "site_node 1234", "camera_node --host north 1235"
     std::string governor;
     std::string governor_preference;             // energy_performance_preference; empty: none
     double max_ghz = 0.0;                        // of the processor; 0: unknown
@@ -194,6 +195,12 @@ struct Wishes {
     int nice = 0;                     // process.nice
     std::vector<SiteCamera> cameras;  // of a site on several hosts: those of this host
     SiteHosts hosts;
+    /// The programs that read the file on this host.
+    struct Reader {
+        std::string program;
+        std::string host;  // its --host; empty: without
+    };
+    std::vector<Reader> readers;
 };
 
 struct Roles {

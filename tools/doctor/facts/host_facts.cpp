@@ -241,6 +241,19 @@ ClockFacts collect_clock(const System& system) {
     return facts;
 }
 
+// " --host north" of a program that runs as one host of several; else empty.
+std::string host_option(const System& system, const std::string& process) {
+    std::string words = system.read("/proc/" + process + "/cmdline").value_or("");
+    std::ranges::replace(words, '\0', ' ');
+    std::ranges::replace(words, '=', ' ');
+    const std::vector<std::string> command = words_of(words);
+    for (std::size_t i = 1; i + 1 < command.size(); ++i) {
+        if (command[i] == "--host" || command[i] == "--site.host")
+            return " --host " + command[i + 1];
+    }
+    return "";
+}
+
 LoadFacts collect_load(const System& system) {
     LoadFacts load;
     load.cores = count_list(system.read("/sys/devices/system/cpu/online").value_or(""));
@@ -249,7 +262,8 @@ LoadFacts collect_load(const System& system) {
         const auto* const known = std::ranges::find(
             kAtriumProcesses, process.name, [](const auto& one) { return one.first; });
         if (known == kAtriumProcesses.end()) continue;
-        load.atrium_programs.push_back(std::string(known->second) + " " + process.id);
+        load.atrium_programs.push_back(std::string(known->second) +
+                                       host_option(system, process.id) + " " + process.id);
         atrium.push_back(std::move(process));
     }
     read_frequency(system, load);

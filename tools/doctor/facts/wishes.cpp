@@ -44,9 +44,12 @@ std::vector<HostTable> read_host_tables(config::TableReader& file) {
         if (entry.has_array("cameras")) {
             entry.read("cameras", host.cameras);
         } else {
-            std::string which;
-            entry.read("cameras", which, {"auto"});
+            std::string which = entry.has("cameras") ? "" : "none";
+            entry.read("cameras", which);
             host.takes_any = which == "auto";
+            if (!host.takes_any && which != "none")
+                entry.reject("cameras",
+                             "must be \"auto\" or a list of cameras of the rig, as in [\"door\"]");
         }
         entry.read("model", host.is_model);
         entry.read("regions", host.regions);
@@ -145,9 +148,22 @@ void read_capture(config::TableReader& file, Wishes& wishes) {
     if (wishes.is_recording_there) read_rig(wishes);
 }
 
+// For a host that the file does not name, the part of its first one: any of them shows what is
+// wrong in the file.
+std::vector<Wishes::Reader> readers_of_site(const SiteHosts& own,
+                                            const std::vector<HostTable>& tables) {
+    if (tables.empty()) return {{"site_node", ""}};
+    const SiteHosts hosts = own.is_listed ? own : hosts_seen_from(tables.front().name, tables);
+    std::vector<Wishes::Reader> readers;
+    if (hosts.has_cameras) readers.push_back({"camera_node", hosts.own});
+    if (hosts.runs_site_node() || !hosts.has_cameras) readers.push_back({"site_node", hosts.own});
+    return readers;
+}
+
 void read_site(config::TableReader& file, const std::string& own_host, Wishes& wishes) {
     const std::vector<HostTable> tables = read_host_tables(file);
     wishes.hosts = hosts_seen_from(own_host, tables);
+    wishes.readers = readers_of_site(wishes.hosts, tables);
     read_capture(file, wishes);
     keep_own_part(wishes, tables);
 }
@@ -179,7 +195,10 @@ Expected<Wishes> read_wishes(const std::filesystem::path& file, const std::strin
     wishes.file = file;
     wishes.network = "loopback";  // as the programs, without the key
     read_bus(*reader, wishes);
-    if (roles->site) read_site(*reader, own_host, wishes);
+    if (roles->site)
+        read_site(*reader, own_host, wishes);
+    else
+        wishes.readers = {{roles->viewer ? "viewer" : "world_server", ""}};
     // the programs read the rest and know its rules; a world has other tables of these names
     std::vector<std::string> tables{"bus", "process"};
     if (roles->site) tables.insert(tables.end(), {"site", "capture", "capture.cameras"});
