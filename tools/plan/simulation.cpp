@@ -11,6 +11,8 @@
 namespace atrium::plan {
 namespace {
 
+constexpr std::int64_t kFirst = -1;  // before all instants
+
 /// Some cores with a queue: the oldest metaframe goes first.
 struct Cores {
     struct Task {
@@ -141,12 +143,23 @@ private:
                      own_ms,
                      [this, h, instant, num] {
                          at(now_ms_ + (plan_.hosts.size() > 1 ? kWay_ms : 0.0),
-                            [this, instant] { arrive(instant); });
+                            [this, instant] { take(instant); });
                          add({h, instant, varied(work_ms(h, "textures") / num), [] {}, {}});
                      },
                      [this, camera, instant] { return newest_[camera] == instant; }});
             }
         }
+    }
+
+    // The silhouettes of one camera reach the model part. With cameras of its own, their work has
+    // that of its messages.
+    void take(std::int64_t instant) {
+        const bool has_cameras = !plan_.hosts[model_].cameras.empty();
+        const double messages_ms =
+            has_cameras ? 0.0 : work_ms(model_, "messages") / static_cast<double>(num_cameras_);
+        if (messages_ms <= 0.0) return arrive(instant);
+        // a thread of its own takes them: none waits behind older hulls
+        add({model_, kFirst, varied(messages_ms), [this, instant] { arrive(instant); }, {}});
     }
 
     void arrive(std::int64_t instant) {
@@ -172,14 +185,17 @@ private:
                 at(now_ms_ + plan_.order_ms, [this, h, instant] { begin_hull(h, instant); });
         }
     }
-    // A serial part, then one task per thread; then the mesh.
+    // Messages where no cameras have them, a serial part, then one task per thread; then the mesh.
     void begin_hull(std::size_t host, std::int64_t instant) {
+        const double messages_ms = host == model_ || !plan_.hosts[host].cameras.empty()
+                                       ? 0.0
+                                       : varied(work_ms(host, "messages"));
         const int threads = threads_of(host);
         const double hull_ms = varied(work_ms(host, "hull"));
         const double serial = std::clamp(2.0 / plan_.input.costs.hull_two_threads - 1.0, 0.0, 1.0);
         add({host,
              instant,
-             serial * hull_ms,
+             messages_ms + serial * hull_ms,
              [this, host, instant, threads, hull_ms, serial] {
                  num_parts_[host] = threads;
                  for (int i = 0; i < threads; ++i)

@@ -120,13 +120,13 @@ void find_problems(const HostPlan& host, double rate_hz, std::vector<std::string
         const double fits_hz = rate_hz * kMostUsed / host.load;
         problems.push_back(fmt::format(
             "host {}: its work takes {:.0f} % of its {} cores; {:.0f} % may be used. Give it {} "
-            "cores, fewer cameras, or capture.rate_hz = {:.0f}",
+            "cores, fewer cameras, or capture.rate_hz = {:.2g}",
             host.name,
             100.0 * host.load,
             host.cores,
             100.0 * kMostUsed,
             static_cast<int>(std::ceil(host.cores * host.load / kMostUsed)),
-            std::floor(fits_hz)));
+            fits_hz >= 1.0 ? std::floor(fits_hz) : fits_hz));
     }
     const double period_ms = 1e3 / rate_hz;
     for (const Stage& stage : host.stages) {
@@ -285,6 +285,7 @@ SitePlan make_plan(PlanInput input) {
         fmt::format("{} viewer{} and one world server; camera pictures of one byte per pixel",
                     input.num_viewers,
                     input.num_viewers == 1 ? "" : "s"),
+        "cameras have network cards of their own, as fast as the host's link",
         fmt::format("{:.1f} ms for a message's way through the network; no other work on the hosts",
                     kWay_ms)};
     plan.input = std::move(input);

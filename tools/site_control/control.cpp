@@ -25,17 +25,18 @@ Expected<std::string> text_of(const fs::path& file) {
 }
 
 std::string script_of(const ControlOptions& options,
+                      const Place& place,
                       const std::vector<SentFile>& files,
                       const std::vector<Program>& programs) {
     switch (options.command) {
         case Command::kUp:
-            return up_script(options.site, files, programs, options.programs);
+            return up_script(place, files, programs, options.programs);
         case Command::kDown:
-            return down_script(options.site, programs);
+            return down_script(place, programs);
         case Command::kLogs:
-            return logs_script(options.site, programs, options.num_lines);
+            return logs_script(place, programs, options.num_lines);
         default:
-            return status_script(options.site, programs);
+            return status_script(place, programs);
     }
 }
 
@@ -88,9 +89,10 @@ bool control(const ControlOptions& options, const std::function<void(const std::
         workers.emplace_back([&] {
             const std::string site_file =
                 files.empty() ? options.site_file.filename().string() : files[0].path;
-            const auto answer = run_script(shell_of(host.name, options.this_host, options.ssh),
-                                           script_of(options, files, programs_of(host, site_file)),
-                                           options.patience);
+            const auto answer = run_script(
+                shell_of(host.name, options.this_host, options.ssh),
+                script_of(options, {options.site, host.name}, files, programs_of(host, site_file)),
+                options.patience);
             const std::lock_guard lock(mutex);
             if (!answer) {
                 is_good = false;

@@ -44,7 +44,9 @@ struct Options {
 void declare(CLI::App& command, Options& options, Command which) {
     command.set_version_flag("--version", "site_control " + app::version());
     command.add_option("FILE", options.file, "the site's file, with [[host]]");
-    command.add_option("--only", options.only, "these hosts only");
+    command.add_option("--only", options.only, "this host only; several: separated by commas")
+        ->delimiter(',')
+        ->allow_extra_args(false);
     command.add_option(
         "--ssh",
         options.ssh,
@@ -67,6 +69,38 @@ std::string read_text(const fs::path& file) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+// What the hosts could not start with.
+Expected<void> check_start(const site_node::SiteNodeConfig& config, const Options& options) {
+    const bool is_recording = config.capture.source == "recording";
+    const auto rig = config::load_rig(is_recording ? config.capture.recording : config.capture.rig);
+    if (!rig) return tl::unexpected(rig.error());
+    if (auto fits = site_node::check_hosts(config, *rig); !fits) return fits;
+    if (!options.programs.empty() && fs::path(options.programs).is_relative())
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("--programs: '{}' must be an absolute path: it is that of all hosts",
+                        options.programs));
+    return {};
+}
+
+// Files of the network that the file names by a path of its own: they are not sent.
+Expected<void> check_network_files(config::TableReader written, const fs::path& file) {
+    config::TableReader bus = written.table("bus");
+    for (const std::string key : {"network", "profiles_file"}) {
+        std::string text;
+        bus.read(key, text);
+        const bool is_word = key == "network" && text.find_first_of("/.") == std::string::npos;
+        if (text.empty() || is_word || fs::path(text).is_absolute()) continue;
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: bus.{}: '{}' is not sent to the hosts: give it an "
+                                      "absolute path, and copy it there",
+                                      file.string(),
+                                      key,
+                                      text));
+    }
+    return {};
+}
+
 Expected<ControlOptions> prepare(const Options& options, Command command) {
     auto loaded = site_node::load_site_file(options.file);
     if (!loaded) return tl::unexpected(loaded.error());
@@ -74,7 +108,12 @@ Expected<ControlOptions> prepare(const Options& options, Command command) {
     // as written: the reader makes it relative to the file
     auto written = config::TableReader::parse(read_text(options.file), options.file.string());
     fs::path written_rig;
-    if (written) written->table("capture").read("rig", written_rig);
+    if (written) {
+        written->table("capture").read("rig", written_rig);
+        if (auto sent = check_network_files(*written, options.file);
+            !sent && command == Command::kUp)
+            return tl::unexpected(sent.error());
+    }
     if (written_rig.is_absolute())
         return make_error(ErrorKind::kConfiguration,
                           fmt::format("{}: capture.rig: '{}' must be a relative path, so that all "
@@ -86,11 +125,10 @@ Expected<ControlOptions> prepare(const Options& options, Command command) {
                           options.file.string() +
                               ": has no [[host]]: the site is one process, "
                               "site_node (docs/site_hosts.md)");
-    const bool is_recording = config.capture.source == "recording";
-    const auto rig = config::load_rig(is_recording ? config.capture.recording : config.capture.rig);
-    if (!rig) return tl::unexpected(rig.error());
-    if (auto fits = site_node::check_hosts(config, *rig); !fits)
-        return tl::unexpected(fits.error());
+    if (command == Command::kUp) {
+        // programs that run can be ended whatever became of the rig
+        if (auto right = check_start(config, options); !right) return tl::unexpected(right.error());
+    }
     ControlOptions out;
     out.command = command;
     out.site = config.name;
@@ -104,7 +142,8 @@ Expected<ControlOptions> prepare(const Options& options, Command command) {
             return tl::unexpected(found.error());
     }
     out.site_file = options.file;
-    if (!is_recording) out.rig_file = config.capture.rig;  // a recording is too large
+    if (config.capture.source != "recording")
+        out.rig_file = config.capture.rig;  // a recording is too large
     out.this_host = options.this_host.empty() ? presence::host_name() : options.this_host;
     out.programs = options.programs.empty() ? app::program_folder().string() : options.programs;
     out.num_lines = options.lines;

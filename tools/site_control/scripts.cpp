@@ -7,9 +7,10 @@
 namespace atrium::site_control {
 namespace {
 
-std::string beginning(const std::string& site) {
+// Hosts may share their home folder.
+std::string beginning(const Place& place) {
     return fmt::format(
-        "set -u\nbase=\"$HOME/.atrium\"/{}\nmkdir -p \"$base/run\" \"$base/files\" "
+        "set -u\nbase=\"$HOME/.atrium\"/{}/{}\nmkdir -p \"$base/run\" \"$base/files\" "
         "&& cd \"$base\" || exit 1\n"
         // Whether the process that we started still runs: its number alone may be that of another
         // one by now. No zombies.
@@ -17,7 +18,8 @@ std::string beginning(const std::string& site) {
         "cut -d ' ' -f 20; }}\n"
         "runs() {{ read -r pid began 2>/dev/null < \"run/$1.pid\" && [ -n \"$began\" ] && "
         "[ \"$(since \"$pid\")\" = \"$began\" ]; }}\n",
-        quoted(site));
+        quoted(place.site),
+        quoted(place.host));
 }
 
 // A text that no file of a site contains as a line.
@@ -36,15 +38,16 @@ std::string quoted(const std::string& text) {
     return out + "'";
 }
 
-std::string up_script(const std::string& site,
+std::string up_script(const Place& place,
                       const std::vector<SentFile>& files,
                       const std::vector<Program>& programs,
                       const std::string& folder_of_programs) {
-    std::string script = beginning(site);
+    std::string script = beginning(place);
     for (const SentFile& file : files) {
         const std::string folder = std::filesystem::path(file.path).parent_path().string();
-        script += fmt::format("mkdir -p files/{}\n", quoted(folder));
-        script += fmt::format("cat > files/{} << '{}'\n{}{}{}\n",
+        // a program must not start with the file of before
+        script += fmt::format("mkdir -p files/{} || exit 1\n", quoted(folder));
+        script += fmt::format("cat > files/{} << '{}' || exit 1\n{}{}{}\n",
                               quoted(file.path),
                               kEndOfFile,
                               file.text,
@@ -74,8 +77,8 @@ std::string up_script(const std::string& site,
     return script;
 }
 
-std::string down_script(const std::string& site, const std::vector<Program>& programs) {
-    std::string script = beginning(site);
+std::string down_script(const Place& place, const std::vector<Program>& programs) {
+    std::string script = beginning(place);
     for (const Program& program : programs) {
         script += fmt::format(
             "if runs {0}; then\n"
@@ -89,8 +92,8 @@ std::string down_script(const std::string& site, const std::vector<Program>& pro
     return script;
 }
 
-std::string status_script(const std::string& site, const std::vector<Program>& programs) {
-    std::string script = beginning(site);
+std::string status_script(const Place& place, const std::vector<Program>& programs) {
+    std::string script = beginning(place);
     for (const Program& program : programs) {
         script += fmt::format(
             // without `ps`: a bare Debian has none
@@ -108,10 +111,8 @@ std::string status_script(const std::string& site, const std::vector<Program>& p
     return script + "exit 0\n";
 }
 
-std::string logs_script(const std::string& site,
-                        const std::vector<Program>& programs,
-                        int num_lines) {
-    std::string script = beginning(site);
+std::string logs_script(const Place& place, const std::vector<Program>& programs, int num_lines) {
+    std::string script = beginning(place);
     for (const Program& program : programs)
         script += fmt::format("tail -n {} run/{}.log 2>/dev/null || echo \"{} has no log here\"\n",
                               num_lines,

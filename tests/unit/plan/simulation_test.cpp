@@ -19,6 +19,8 @@ TEST(PlanSimulation, WithTimeToSpareNothingWaits) {
     EXPECT_NEAR(result.p99_ms, result.median_ms, 1e-6);
     ASSERT_EQ(result.loads.size(), plan.hosts.size());
     EXPECT_NEAR(result.loads[0], plan.hosts[0].load, 0.01);
+    ASSERT_TRUE(plan.hosts.back().cameras.empty());
+    EXPECT_NEAR(result.loads.back(), plan.hosts.back().load, 0.003) << "with its messages";
 }
 
 TEST(PlanSimulation, RegionsOnTwoHostsAreComputedAtTheSameTime) {
@@ -33,6 +35,8 @@ TEST(PlanSimulation, RegionsOnTwoHostsAreComputedAtTheSameTime) {
     const SimulationResult result = simulate(plan, {.spread = 0.0});
     EXPECT_NEAR(result.metaframes_per_s, 10.0, 0.1);
     EXPECT_NEAR(result.median_ms, plan.latency_ms, 0.6);
+    for (std::size_t i = 0; i < plan.hosts.size(); ++i)
+        EXPECT_NEAR(result.loads[i], plan.hosts[i].load, 0.003) << plan.hosts[i].name;
     // on one host they come after each other
     input.regions[1].host.clear();
     EXPECT_GT(simulate(make_plan(input), {.spread = 0.0}).median_ms, result.median_ms + 2.0);
