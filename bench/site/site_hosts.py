@@ -75,7 +75,8 @@ def measure(network, options, folder, kind):
         for each in programs:
             each.wait(timeout=30)
     site_first, site_last = program(first, "site"), program(last, "site")
-    between_s = 1e-9 * (last["time_ns"] - first["time_ns"])
+    # the counts are as old as the site's status
+    between_s = 1e-9 * (last["time_ns"] - first["time_ns"]) - (site_last["status_age_s"] - site_first["status_age_s"])
     viewer = program(last, "viewer")
     nodes = [p for p in last["programs"] if p["kind"] == "camera_node"]
     figures = {
