@@ -120,7 +120,9 @@ def middle(runs, get):
 def predicted(build, site):
     """What `atrium plan` says of all hosts on the cores of this machine; without the world server and the viewer."""
     command = [f"{build}/bin/plan", site, "--simulate", "--shared-cores", str(machine.num_cores()), "--json"]
-    return json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout)["simulation"]
+    plan = json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout)
+    links = {host["name"]: [host["out_mbit_per_s"], host["in_mbit_per_s"]] for host in plan["hosts"]}
+    return {**plan["simulation"], "links": links}
 
 
 def write_page(kinds, runs, predictions, origin):
@@ -146,6 +148,10 @@ def write_page(kinds, runs, predictions, origin):
             out, into = (middle(part, lambda f, w=way: f["mbit_per_s"][host][w]) for way in (0, 1))
             cells.append(f"{out:.2f} out, {into:.2f} in")
         lines.append(f"| link of {host} [Mbit/s] | " + " | ".join(cells) + " |")
+        links = [one["links"].get(host) for one in predictions]
+        if any(links):
+            cells = [f"{link[0]:.2f} out, {link[1]:.2f} in" if link else "" for link in links]
+            lines.append(f"| predicted, link of {host} [Mbit/s] | " + " | ".join(cells) + " |")
     page_table.put_table(PAGE, "site_hosts", lines, origin)
 
 
