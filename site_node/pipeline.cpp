@@ -18,16 +18,21 @@ double milliseconds_between(Clock::time_point begin, Clock::time_point end) {
     return std::chrono::duration<double, std::milli>(end - begin).count();
 }
 
-// Without any mesh: an error if a hull failed. An empty intersection is a valid answer: nobody is
-// in the room.
-Expected<void> failure_without_mesh(const SiteFrame& frame) {
+// Without any mesh: an error if all hulls failed. An empty intersection is a valid answer: nobody
+// is there. `has_own`: this host computes a hull.
+Expected<void> failure_without_mesh(const SiteFrame& frame, bool has_own) {
     if (!frame.draco.empty()) return {};
     const hull::HullStatus status = frame.hull.status;
     if (status != hull::HullStatus::kOk && status != hull::HullStatus::kEmptyIntersection)
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("no hull: {}", hull::to_string(status)));
+    if (has_own) return {};
     std::string reasons;
     for (const bus::RegionMeshes& remote : frame.remote) {
+        const bool is_empty = std::ranges::any_of(remote.regions, [](const bus::RegionHull& hull) {
+            return hull.outcome == bus::RegionOutcome::kNobody;
+        });
+        if (is_empty) return {};
         if (!remote.reason.empty())
             reasons += fmt::format(
                 "{}host {}: {}", reasons.empty() ? "" : "; ", remote.host, remote.reason);
@@ -285,6 +290,11 @@ Expected<void> Pipeline::first_failure(const Silhouettes& silhouettes) const {
     return {};
 }
 
+bool Pipeline::has_own_hull() const {
+    return hull_.regions().empty() ||
+           !std::ranges::all_of(hull_.regions(), &hull::Region::is_elsewhere);
+}
+
 // Collects counts and durations of the stages.
 void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
     const hull::VisualHull& hull = frame.hull;
@@ -324,7 +334,8 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
         if (silhouettes.delivered_[i] != 0)
             hull_.contours(i).swap(silhouettes.cameras_[i]->contours);
     }
-    if (remote_ != nullptr) remote_->order(frame.frame_id, hull_.views(), silhouettes.delivered_);
+    if (remote_ != nullptr)
+        remote_->order({frame.frame_id, frame.capture_time}, hull_.views(), silhouettes.delivered_);
     hull_.compute(silhouettes.delivered_, executor, frame.hull);
 
     const auto encode_begin = Clock::now();
@@ -334,11 +345,11 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     else
         resize_keeping(frame.cameras, 0, spare_coded_);
     const auto wait_begin = Clock::now();
-    if (remote_ != nullptr) frame.remote = remote_->collect(frame.frame_id);
+    if (remote_ != nullptr) frame.remote = remote_->collect();
     const auto wait_end = Clock::now();
     if (!encoded) return encoded;
     join_meshes(frame);
-    if (auto failed = failure_without_mesh(frame); !failed) return failed;
+    if (auto failed = failure_without_mesh(frame, has_own_hull()); !failed) return failed;
     if (!frame.draco.empty()) name_remote_textures(silhouettes.metaframe_, frame);
     sum_up(silhouettes, frame);
     const auto end = Clock::now();

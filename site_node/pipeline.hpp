@@ -165,6 +165,7 @@ private:
                                   const ColourCoding& coding,
                                   std::size_t camera,
                                   CodedCamera& coded);
+    bool has_own_hull() const;
     static void name_remote_textures(const capture::Metaframe& metaframe, SiteFrame& frame);
     Expected<void> encode(Silhouettes& silhouettes,
                           const ColourCoding& coding,

@@ -2,6 +2,8 @@
 
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
+#include "core/base/named_thread.hpp"
+#include "core/base/next_second.hpp"
 #include "core/bus/names.hpp"
 #include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
@@ -10,13 +12,13 @@
 #include "site_node/start_check.hpp"
 
 #include <fmt/format.h>
-#include <pthread.h>
 
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <optional>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 namespace atrium::site_node {
@@ -119,8 +121,8 @@ Expected<void> RegionNode::run(std::stop_token stop) {
     if (auto begun = run_control_->begin(); !begun) return begun;
     const std::stop_callback pass_on(stop, [this] { run_control_->finish({}); });
     {
-        std::jthread worker([this](std::stop_token s) { follow_orders(std::move(s)); });
-        pthread_setname_np(worker.native_handle(), "work");
+        const std::jthread worker =
+            named_thread("work", [this](std::stop_token s) { follow_orders(std::move(s)); });
         report_status(run_control_->token());
     }
     const bus::RegionNodeStatus total = status();
@@ -156,11 +158,14 @@ void RegionNode::answer(const bus::RegionOrder& order) {
         const std::lock_guard lock(mutex_);
         ++status_.num_orders;
         // a model part that was started anew begins at 1
-        if (last_number_ > 0 && order.number > last_number_)
+        constexpr std::uint64_t kMostMissed = 1000;  // more is no number of this model part
+        if (last_number_ > 0 && order.number > last_number_ &&
+            order.number - last_number_ <= kMostMissed)
             status_.num_dropped_late += order.number - last_number_ - 1;
     }
     last_number_ = order.number;
     answer_.frame_id = order.frame_id;
+    answer_.capture_time = order.capture_time;
     auto done = work_.compute(order, pool_, answer_);
     const auto publish_begin = Clock::now();
     std::size_t num_bytes = 0;
@@ -170,6 +175,11 @@ void RegionNode::answer(const bus::RegionOrder& order) {
             num_bytes = *written;
         else
             done = tl::unexpected(written.error());
+    }
+    if (!done) {
+        // nobody needs to wait for it
+        work_.fail(done.error(), answer_);
+        std::ignore = bus_.meshes.write(answer_);
     }
     const auto end = Clock::now();
     if (!done) complaints_.warn("not answered: " + done.error().message);
@@ -197,8 +207,8 @@ void RegionNode::report_status(std::stop_token stop) {
     const auto begin = Clock::now();
     const auto end = begin + std::chrono::duration_cast<Clock::duration>(
                                  std::chrono::duration<double>(config_.seconds));
-    for (int second = 1; !stop.stop_requested(); ++second) {
-        auto until = begin + std::chrono::seconds(second);
+    while (!stop.stop_requested()) {
+        auto until = next_second(begin, Clock::now());
         if (config_.seconds > 0.0) until = std::min(until, end);
         std::unique_lock lock(mutex);
         wake.wait_until(lock, stop, until, [] { return false; });
@@ -210,7 +220,9 @@ void RegionNode::report_status(std::stop_token stop) {
             status_.processor = processor_meter_.update();
         }
         const bus::RegionNodeStatus now = status();
-        if (const auto event = model_part.look(now.num_orders, Clock::now())) log(*event);
+        // orders come only with metaframes
+        if (const auto event = model_part.look(bus_.orders.num_writers() > 0, Clock::now()))
+            log(*event);
         if (const auto written = bus_.status.write(now); !written)
             complaints_.warn(written.error().message);
         if (const auto line = overload.look(atrium::status::figures_of(now), Clock::now()))

@@ -1,5 +1,7 @@
 #include "site_node/region_work.hpp"
 
+#include "core/bus/names.hpp"
+
 #include <fmt/format.h>
 
 #include <chrono>
@@ -64,24 +66,33 @@ Expected<void> RegionWork::take(const bus::RegionOrder& order) {
     return {};
 }
 
-// Silhouettes of another rig would give a wrong hull without a sign of it.
-void RegionWork::refuse(bus::RegionMeshes& answer) const {
+void RegionWork::fail(const Error& error, bus::RegionMeshes& answer) const {
+    fail(bus::RegionOutcome::kFailed, bus::as_line(error.message), answer);
+}
+
+void RegionWork::fail(bus::RegionOutcome outcome,
+                      std::string reason,
+                      bus::RegionMeshes& answer) const {
     answer.hull_ms = answer.mesh_ms = 0.0;
     answer.left_out = {};
     answer.left_out.num_regions_failed = regions_.size();
-    answer.reason =
-        "its rig or [hull] differs from that of the model part: copy the site's file and its rig "
-        "to all hosts, and start their programs anew";
+    answer.reason = std::move(reason);
     answer.regions.clear();
     answer.draco.clear();
-    for (const std::uint32_t region : regions_)
-        answer.regions.push_back({region, bus::RegionOutcome::kOtherRig, 0});
+    for (const std::uint32_t region : regions_) answer.regions.push_back({region, outcome, 0});
 }
 
 Expected<void> RegionWork::compute(const bus::RegionOrder& order,
                                    Executor& executor,
                                    bus::RegionMeshes& answer) {
-    if (order.settings != settings_) return refuse(answer), Expected<void>();
+    if (order.settings != settings_) {
+        // silhouettes of another rig would give a wrong hull without a sign of it
+        fail(bus::RegionOutcome::kOtherRig,
+             "its rig or [hull] differs from that of the model part: copy the site's file and its "
+             "rig to all hosts, and start their programs anew",
+             answer);
+        return {};
+    }
     if (auto taken = take(order); !taken) return taken;
     const auto hull_begin = Clock::now();
     hull_.compute(delivered_, executor, whole_);

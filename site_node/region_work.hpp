@@ -32,9 +32,12 @@ public:
                            Executor& executor,
                            bus::RegionMeshes& answer);
 
+    /// Makes it an answer without any mesh.
+    void fail(const Error& error, bus::RegionMeshes& answer) const;
+
 private:
     Expected<void> take(const bus::RegionOrder& order);
-    void refuse(bus::RegionMeshes& answer) const;
+    void fail(bus::RegionOutcome outcome, std::string reason, bus::RegionMeshes& answer) const;
 
     std::vector<geometry::CalibratedCamera> cameras_;
     HullStage hull_;

@@ -1,12 +1,12 @@
 #include "site_node/rig_watcher.hpp"
 
 #include "core/app/log.hpp"
+#include "core/bus/names.hpp"
 
 #include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <cstring>
 #include <optional>
 #include <utility>
 
@@ -18,18 +18,6 @@ constexpr auto kRarePeriod = std::chrono::seconds(5);
 constexpr std::size_t kWell = 20;  // good looks until they become rare
 constexpr auto kLastDiagnosis = std::chrono::seconds(3);
 constexpr int kLowestPriority = 19;  // of nice(2); on Linux per thread
-
-// A reason as a line of a status: printable ASCII of limited length.
-std::string line_of(std::string reason) {
-    constexpr std::size_t kMost = 255;
-    constexpr const char* kMore = "...";
-    for (char& c : reason)
-        if (c < ' ' || c > '~') c = '?';
-    if (reason.size() <= kMost) return reason;
-    const std::size_t end = reason.rfind(' ', kMost - std::strlen(kMore));
-    reason.resize(end == std::string::npos ? kMost - std::strlen(kMore) : end);
-    return reason + kMore;
-}
 
 }  // namespace
 
@@ -66,7 +54,7 @@ void RigWatcher::judge(const rig_check::Look& look, const std::stop_token& stop)
     is_well_ = watch_.num_good_looks() >= kWell;
     is_explained_ = watch_.is_explained();
     for (const std::string& line : lines) app::log::warn("{}", line);
-    std::string line = line_of(watch_.standing_reason());
+    std::string line = bus::as_line(watch_.standing_reason());
     const std::lock_guard lock(finding_mutex_);
     finding_ = std::move(line);
 }

@@ -2,11 +2,11 @@
 
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
+#include "core/base/named_thread.hpp"
 #include "core/status/bottleneck.hpp"
 #include "site_node/metaframe_losses.hpp"
 
 #include <fmt/format.h>
-#include <pthread.h>
 
 #include <thread>
 
@@ -17,12 +17,6 @@ using std::chrono::nanoseconds;
 
 // So many lost metaframes are no hiccup of the start: one second of most rooms.
 constexpr std::uint64_t kManyLost = 30;
-
-std::jthread named_thread(const char* name, std::function<void(std::stop_token)> body) {
-    std::jthread thread(std::move(body));
-    pthread_setname_np(thread.native_handle(), name);
-    return thread;
-}
 
 // Whether camera nodes saw people, but left out all textures.
 bool lacks_textures(const capture::Metaframe& metaframe) {

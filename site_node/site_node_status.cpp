@@ -1,5 +1,6 @@
 #include "core/app/program.hpp"
 #include "core/app/progress.hpp"
+#include "core/base/next_second.hpp"
 #include "core/status/bottleneck.hpp"
 #include "site_node/metaframe_losses.hpp"
 #include "site_node/overload_advice.hpp"
@@ -35,8 +36,8 @@ void SiteNode::report_status(std::stop_token stop) {
     std::vector<capture::CameraCounters> former_cameras = source_->camera_counters();
     app::Progress progress("frame", source_->num_frames(), std::chrono::seconds(10));
     const bool has_end = source_->num_frames() > 0 && !config_.capture.loop;
-    for (int second = 1; !stop.stop_requested(); ++second) {
-        auto until = begin + std::chrono::seconds(second);
+    while (!stop.stop_requested()) {
+        auto until = next_second(begin, Clock::now());
         const bool limited = config_.seconds > 0.0;
         const auto end = begin + std::chrono::duration_cast<Clock::duration>(
                                      std::chrono::duration<double>(config_.seconds));

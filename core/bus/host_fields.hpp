@@ -60,6 +60,7 @@ void fields(auto& v, Of<RegionOrder> auto& m, auto& w) {
     v.key("RegionOrder.host", m.host, w.host, Text::kName);
     v(m.number, w.number);
     v(m.frame_id, w.frame_id);
+    v("RegionOrder.capture_time", m.capture_time, w.capture_time_ns);
     v(m.settings, w.settings);
     v("RegionOrder.cameras", m.cameras, w.cameras, CameraSet{});
     const ContourCounts counts{m.cameras.size()};
@@ -80,6 +81,7 @@ void fields(auto& v, Of<RegionMeshes> auto& m, auto& w) {
     v.key("RegionMeshes.site", m.site, w.site, Text::kName);
     v.key("RegionMeshes.host", m.host, w.host, Text::kName);
     v(m.frame_id, w.frame_id);
+    v("RegionMeshes.capture_time", m.capture_time, w.capture_time_ns);
     v("RegionMeshes.hull_ms", m.hull_ms, w.hull_ms, kStatistic);
     v("RegionMeshes.mesh_ms", m.mesh_ms, w.mesh_ms, kStatistic);
     v.part(m.left_out, w.left_out);

@@ -74,6 +74,7 @@ struct RegionOrder {
     std::string host;          // that computes
     std::uint64_t number = 0;  // of the order to this host
     std::uint64_t frame_id = 0;
+    Timestamp capture_time;              // a new model part counts frames anew, but not times
     std::uint64_t settings = 0;          // fingerprint of the rig and of all that hulls depend on
     std::vector<std::uint32_t> cameras;  // that have a picture
     std::vector<std::uint32_t> contour_counts;       // of each of these cameras
@@ -97,6 +98,7 @@ struct RegionMeshes {
     std::string site;
     std::string host;
     std::uint64_t frame_id = 0;  // as in the order
+    Timestamp capture_time;      // as in the order
     double hull_ms = 0.0;
     double mesh_ms = 0.0;  // to code the meshes
     LeftOutTotals left_out;

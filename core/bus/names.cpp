@@ -35,6 +35,16 @@ bool is_valid_line(std::string_view text) {
            std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
 }
 
+std::string as_line(std::string text) {
+    constexpr std::string_view kMore = "...";
+    for (char& c : text)
+        if (c < ' ' || c > '~') c = '?';
+    if (text.size() <= kMaxTextLength) return text;
+    const std::size_t end = text.rfind(' ', kMaxTextLength - kMore.size());
+    text.resize(end == std::string::npos ? kMaxTextLength - kMore.size() : end);
+    return text.append(kMore);
+}
+
 std::string host_program_name(const std::string& site, const std::string& host) {
     return site + "." + host;
 }

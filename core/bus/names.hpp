@@ -18,6 +18,9 @@ bool is_valid_model_file(std::string_view file);
 /// True for at most 255 printable ASCII characters; may be empty.
 bool is_valid_line(std::string_view text);
 
+/// The text as such a line: other characters are '?', and what is too long ends in "...".
+std::string as_line(std::string text);
+
 /// The name of a camera node or region node among the programs of its world: "SITE.HOST".
 std::string host_program_name(const std::string& site, const std::string& host);
 

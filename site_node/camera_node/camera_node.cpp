@@ -2,6 +2,8 @@
 
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
+#include "core/base/named_thread.hpp"
+#include "core/base/next_second.hpp"
 #include "core/presence/kernel_clock.hpp"
 #include "core/status/bottleneck.hpp"
 #include "site_node/camera_status.hpp"
@@ -9,7 +11,6 @@
 #include "site_node/source/open_source.hpp"
 
 #include <fmt/format.h>
-#include <pthread.h>
 
 #include <charconv>
 #include <condition_variable>
@@ -27,12 +28,6 @@ std::size_t index_of(const std::string& key) {
     std::size_t index = 0;
     std::from_chars(key.data(), key.data() + key.size(), index);
     return index;
-}
-
-std::jthread named_thread(const char* name, std::function<void(std::stop_token)> body) {
-    std::jthread thread(std::move(body));
-    pthread_setname_np(thread.native_handle(), name);
-    return thread;
 }
 
 }  // namespace
@@ -104,7 +99,8 @@ void CameraNode::capture(std::stop_token stop) {
             "clock_was_set step_ms={:.1f} reason=\"the clock of this host was set: "
             "capturing begins again\"",
             milliseconds(clock_epoch_->last_step()));
-        if (auto opened = open_source_anew(stop); !opened) return run_control_->finish(opened);
+        if (auto opened = open_source_anew(stop); !opened)
+            return run_control_->finish(stop.stop_requested() ? Expected<void>() : opened);
     }
 }
 
@@ -113,6 +109,7 @@ Expected<void> CameraNode::open_source_anew(std::stop_token stop) {
     {
         // before the new one: it would find its cameras in use
         const std::lock_guard lock(source_mutex_);
+        counted_before_ = counters_so_far();
         source_.reset();
     }
     std::mutex mutex;
@@ -171,27 +168,26 @@ void CameraNode::work_on(const std::string& key, Picture picture) {
     const Timestamp capture_time = picture.frame.capture_time;
     if (is_lost && preview_ != nullptr)
         preview_->take(index_of(key), picture.frame, camera.work->seen());
-    const auto published =
-        camera.work->process(picture.frame, picture.clock_epoch, newest_orders(), [&] {
-            {
-                const std::lock_guard lock(latency_mutex_);
-                capture_to_silhouette_.add(Timestamp::now() - capture_time);
-            }
-            if (preview_ != nullptr)
-                preview_->take(index_of(key), picture.frame, camera.work->seen());
-        });
-    if (!published) {
+    const auto on_silhouette = [&](std::size_t num_bytes) {
+        num_silhouette_bytes_ += num_bytes;
+        if (num_silhouettes_++ == 0) first_output_s_ = app::seconds_since_start();
+        {
+            const std::lock_guard lock(latency_mutex_);
+            capture_to_silhouette_.add(Timestamp::now() - capture_time);
+        }
+        if (preview_ != nullptr) preview_->take(index_of(key), picture.frame, camera.work->seen());
+    };
+    const auto texture_bytes =
+        camera.work->process(picture.frame, picture.clock_epoch, newest_orders(), on_silhouette);
+    if (!texture_bytes) {
         ++num_failed_;
         complaints_.warn(fmt::format("picture failed camera={} reason=\"{}\"",
                                      camera_names_[index_of(key)],
-                                     published.error().message));
+                                     texture_bytes.error().message));
         return;
     }
-    num_silhouette_bytes_ += published->silhouette_bytes;
-    num_texture_bytes_ += published->texture_bytes;
-    if (is_lost) return;
-    if (num_silhouettes_++ == 0) first_output_s_ = app::seconds_since_start();
-    if (published->texture_bytes > 0) ++num_textures_;
+    num_texture_bytes_ += *texture_bytes;
+    if (*texture_bytes > 0) ++num_textures_;
 }
 
 void CameraNode::follow_orders(std::stop_token stop) {
@@ -200,13 +196,17 @@ void CameraNode::follow_orders(std::stop_token stop) {
     while (!stop.stop_requested()) {
         bus_.waiter.wait(kPatience);
         const std::uint64_t epoch = clock_epoch_->current();
-        bus_.orders.take([&](bus::SiteOrders&& orders) {
+        const auto report = bus_.orders.take([&](bus::SiteOrders&& orders) {
             if (orders.site != config_.name) return;
             // not earlier: an order may come between this and the look
             answer(orders, Timestamp::now(), epoch);
             const std::lock_guard lock(orders_mutex_);
             orders_ = std::move(orders);
         });
+        if (report.num_rejected > 0)
+            complaints_.warn(fmt::format("orders_rejected num={} first=\"{}\"",
+                                         report.num_rejected,
+                                         report.first_rejection));
     }
 }
 
@@ -231,11 +231,12 @@ void CameraNode::report_status(std::stop_token stop) {
     RateMeter texture_rate;
     atrium::status::OverloadLog overload(bus::ProgramKind::kCameraNode);
     hosts::ModelPartWatch model_part(config_.hosts, Clock::now());
+    std::uint64_t last_number = 0;
     const auto begin = Clock::now();
     const auto end = begin + std::chrono::duration_cast<Clock::duration>(
                                  std::chrono::duration<double>(config_.seconds));
-    for (int second = 1; !stop.stop_requested(); ++second) {
-        auto until = begin + std::chrono::seconds(second);
+    while (!stop.stop_requested()) {
+        auto until = next_second(begin, Clock::now());
         if (config_.seconds > 0.0) until = std::min(until, end);
         std::unique_lock lock(mutex);
         wake.wait_until(lock, stop, until, [] { return false; });
@@ -247,7 +248,10 @@ void CameraNode::report_status(std::stop_token stop) {
             const std::lock_guard processor_lock(processor_mutex_);
             processor_ = processor_meter_.update();
         }
-        if (const auto event = model_part.look(newest_orders().number, Clock::now())) log(*event);
+        const std::uint64_t number = newest_orders().number;
+        if (const auto event =
+                model_part.look(std::exchange(last_number, number) != number, Clock::now()))
+            log(*event);
         const bus::CameraNodeStatus now = status();
         if (const auto written = bus_.status.write(now); !written)
             complaints_.warn(written.error().message);
@@ -256,17 +260,18 @@ void CameraNode::report_status(std::stop_token stop) {
     }
 }
 
-// Those of all cameras, also while the source is opened anew.
+// Those of all cameras since the start of the program, also while the source is opened anew.
 std::vector<capture::CameraCounters> CameraNode::camera_counters() const {
-    std::shared_ptr<capture::FrameSource> source;
-    {
-        const std::lock_guard lock(source_mutex_);
-        source = source_;
-    }
-    if (source != nullptr) return source->camera_counters();
-    std::vector<capture::CameraCounters> away;
-    for (const std::string& name : camera_names_) away.emplace_back().name = name;
-    return away;
+    const std::lock_guard lock(source_mutex_);
+    return counters_so_far();
+}
+
+std::vector<capture::CameraCounters> CameraNode::counters_so_far() const {
+    if (source_ == nullptr) return counted_before_;
+    auto counters = source_->camera_counters();
+    for (std::size_t i = 0; i < counted_before_.size(); ++i)
+        counters[i] = capture::sum(counted_before_[i], counters[i]);
+    return counters;
 }
 
 bus::CameraNodeStatus CameraNode::status() const {

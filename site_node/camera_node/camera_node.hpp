@@ -85,12 +85,14 @@ private:
     bus::SiteOrders newest_orders();
     void report_status(std::stop_token stop);
     std::vector<capture::CameraCounters> camera_counters() const;
+    std::vector<capture::CameraCounters> counters_so_far() const;  // under source_mutex_
 
     site_node::SiteNodeConfig config_;
     std::string host_;
     std::vector<std::string> camera_names_;
     mutable std::mutex source_mutex_;  // guards the pointer: the source is opened anew
-    std::shared_ptr<capture::FrameSource> source_;
+    std::unique_ptr<capture::FrameSource> source_;
+    std::vector<capture::CameraCounters> counted_before_;  // with former sources; or empty
     std::vector<std::unique_ptr<Camera>> cameras_;
     std::unique_ptr<CameraPreview> preview_;  // null: none
     Bus bus_;

@@ -20,19 +20,17 @@ CameraWork::CameraWork(std::string site,
     message_.rig = rig;
 }
 
-Expected<CameraWork::Published> CameraWork::process(capture::CameraFrame& frame,
-                                                    std::uint64_t clock_epoch,
-                                                    const bus::SiteOrders& orders,
-                                                    const std::function<void()>& on_silhouette) {
-    Published published;
+Expected<std::size_t> CameraWork::process(capture::CameraFrame& frame,
+                                          std::uint64_t clock_epoch,
+                                          const bus::SiteOrders& orders,
+                                          const std::function<void(std::size_t)>& on_silhouette) {
     const bool is_lost = frame.is_lost() || !stage_;
     const auto found = is_lost ? Expected<void>() : stage_->find(frame, {}, seen_);
     if (is_lost || !found) {
         const auto lost = publish_lost(frame.capture_time, clock_epoch);
         if (!found) return tl::unexpected(found.error());
         if (!lost) return tl::unexpected(lost.error());
-        published.silhouette_bytes = *lost;
-        return published;
+        return std::size_t{0};
     }
     ++message_.frame_id;
     message_.capture_time = frame.capture_time;
@@ -43,16 +41,16 @@ Expected<CameraWork::Published> CameraWork::process(capture::CameraFrame& frame,
         std::ignore = publish_lost(frame.capture_time, clock_epoch);
         return tl::unexpected(silhouette.error());
     }
-    published.silhouette_bytes = *silhouette;
-    on_silhouette();
+    on_silhouette(*silhouette);
+    std::size_t num_texture_bytes = 0;
     if (message_.has_texture) {
         const auto texture = publish_texture(
             {static_cast<int>(orders.jpeg_quality), static_cast<int>(orders.colour_divisor)});
         if (!texture) return tl::unexpected(texture.error());
-        published.texture_bytes = *texture;
+        num_texture_bytes = *texture;
     }
     frame.image = {};  // its memory may be a camera's
-    return published;
+    return num_texture_bytes;
 }
 
 Expected<std::size_t> CameraWork::publish_lost(Timestamp capture_time, std::uint64_t clock_epoch) {

@@ -32,16 +32,13 @@ public:
                const texture::TextureOptions& options,
                Writers writers);
 
-    struct Published {
-        std::size_t silhouette_bytes = 0;
-        std::size_t texture_bytes = 0;  // 0: nobody is there
-    };
-    /// Publishes what is in the picture; of a lost picture, that it is lost. `on_silhouette` is
-    /// called between the two. Afterwards `frame` has no picture.
-    Expected<Published> process(capture::CameraFrame& frame,
-                                std::uint64_t clock_epoch,
-                                const bus::SiteOrders& orders,
-                                const std::function<void()>& on_silhouette);
+    /// Publishes what is in the picture; of a lost picture, that it is lost. `on_silhouette` gets
+    /// the bytes of a silhouette that is out, before the texture. Returns the bytes of the texture;
+    /// 0: nobody is there. Afterwards `frame` has no picture.
+    Expected<std::size_t> process(capture::CameraFrame& frame,
+                                  std::uint64_t clock_epoch,
+                                  const bus::SiteOrders& orders,
+                                  const std::function<void(std::size_t)>& on_silhouette);
 
     /// What was found in the last picture.
     const site_node::PictureSilhouette& seen() const { return seen_; }

@@ -17,6 +17,19 @@ CameraCounters since(const CameraCounters& former, const CameraCounters& now) {
     return counters;
 }
 
+CameraCounters sum(const CameraCounters& former, const CameraCounters& now) {
+    CameraCounters counters = now;
+    counters.num_received += former.num_received;
+    counters.num_incomplete += former.num_incomplete;
+    counters.num_resent += former.num_resent;
+    counters.num_late += former.num_late;
+    counters.num_dropped += former.num_dropped;
+    counters.num_backwards += former.num_backwards;
+    counters.num_reconnects += former.num_reconnects;
+    if (!counters.last_picture) counters.last_picture = former.last_picture;
+    return counters;
+}
+
 std::string to_line(const CameraCounters& c) {
     return fmt::format(
         "name={} connected={} received={} incomplete={} resent={} late={} dropped={} backwards={} "

@@ -31,6 +31,9 @@ struct CameraCounters {
 /// of `now`. All of `now` if the counting began anew.
 CameraCounters since(const CameraCounters& former, const CameraCounters& now);
 
+/// Returns the counts of both, of the same camera; `connected` and the name are those of `now`.
+CameraCounters sum(const CameraCounters& former, const CameraCounters& now);
+
 /// Formats the counts as `key=value ...` for the log.
 std::string to_line(const CameraCounters& counters);
 

@@ -18,6 +18,8 @@ constexpr nanoseconds kShortestSilence = std::chrono::milliseconds(250);
 constexpr nanoseconds kLongestStart = std::chrono::seconds(3);
 constexpr nanoseconds kLongestMeasurement = std::chrono::seconds(1);
 constexpr nanoseconds kLongestDisorder = std::chrono::seconds(10);
+constexpr nanoseconds kMostAhead = std::chrono::milliseconds(5);
+constexpr std::size_t kMostStrangers = 32;  // that are named
 
 std::vector<std::vector<Eigen::Vector2d>> contours_of(const bus::CameraSilhouette& silhouette) {
     std::vector<std::vector<Eigen::Vector2d>> contours;
@@ -114,7 +116,8 @@ void HostTable::add(bus::CameraSilhouette silhouette,
     if (host == nullptr) {
         const bool is_of_another =
             silhouette.camera < cameras_.size() && is_open_[silhouette.camera];
-        if (!is_of_another && !std::exchange(told_stranger_, true))
+        if (!is_of_another && strangers_.size() < kMostStrangers &&
+            strangers_.emplace(silhouette.host, silhouette.camera).second)
             events_.push_back({true,
                                fmt::format("host_unknown host={} camera={} reason=\"the site's "
                                            "file gives this camera to another host\" advice=\"use "
@@ -133,10 +136,13 @@ void HostTable::add(bus::CameraSilhouette silhouette,
     // the offset is small now
     const Timestamp time =
         knows_clock ? silhouette.capture_time + -host->clock.offset : Timestamp{};
-    if (!knows_clock || std::chrono::abs(now - time) > kLongestDisorder) {
+    // a picture of the future would make those of the others late
+    if (!knows_clock || now - time > kLongestDisorder ||
+        time - now > host->clock.error + kMostAhead) {
         ++host->num_left_out;
         return;
     }
+    if (host->state == bus::HostState::kLate) ++host->num_left_out;
     host->delays.push_back(now - time);
     if (host->delays.size() > kDelays) host->delays.pop_front();
     capture::CameraFrame frame;
@@ -166,7 +172,13 @@ void HostTable::add(const bus::ClockAnswer& answer, Timestamp returned, Time arr
     }
 }
 
-void HostTable::forget_clocks() {
+bool HostTable::has_camera(const std::string& host, std::size_t camera) const {
+    return camera < owners_.size() && owners_[camera] &&
+           hosts_[*owners_[camera]].entry.name == host;
+}
+
+void HostTable::forget_clocks(Time now) {
+    forgotten_ = now;
     for (Host& host : hosts_) {
         host.clocks.clear();
         host.delays.clear();  // some by the former clock
@@ -177,6 +189,8 @@ bus::HostState HostTable::judge(Host& host, Time now) const {
     using State = bus::HostState;
     if (!host.last_heard || now - *host.last_heard > silence()) return State::kMissing;
     if (!host.has_our_rig) return State::kOtherRig;
+    // metaframes still wait for pictures by the former clock
+    if (forgotten_ && now - *forgotten_ <= options_.deadline) return State::kClockUnknown;
     const auto clock = host.clocks.find(host.epoch);
     const auto estimate = clock == host.clocks.end() ? std::nullopt : clock->second.estimate(now);
     if (!estimate || estimate->error > options_.period / 8) return State::kClockUnknown;
@@ -191,7 +205,7 @@ bus::HostState HostTable::judge(Host& host, Time now) const {
         // of the others the delays are old
         if (other.state != State::kInUse && other.state != State::kLate) continue;
         if (&other == &host || other.delays.empty()) continue;
-        const nanoseconds delay = *std::ranges::min_element(other.delays);
+        const nanoseconds delay = std::max(*std::ranges::min_element(other.delays), nanoseconds(0));
         quickest = std::min(quickest.value_or(delay), delay);
     }
     const auto is_late = [&](nanoseconds delay) {

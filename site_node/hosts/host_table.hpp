@@ -12,6 +12,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -50,8 +51,12 @@ public:
 
     void add(const bus::ClockAnswer& answer, Timestamp returned, Time arrival);
 
-    /// This host's own clock was set: nothing is known of the others.
-    void forget_clocks();
+    /// This host's own clock was set: nothing is known of the others. None is in use before the
+    /// metaframes that wait for pictures by the former clock are gone.
+    void forget_clocks(Time now);
+
+    /// Whether the camera, an index into the rig, hangs on that host.
+    bool has_camera(const std::string& host, std::size_t camera) const;
 
     /// Decides anew which hosts are in use. Call it several times a second.
     void look(Time now);
@@ -96,7 +101,8 @@ private:
     std::vector<bool> is_open_;        // per camera: belongs to whichever auto host sends it
     std::vector<Time> last_pictures_;  // per camera
     std::vector<HostEvent> events_;
-    bool told_stranger_ = false;
+    std::set<std::pair<std::string, std::uint32_t>> strangers_;  // that were named
+    std::optional<Time> forgotten_;                              // when the own clock was set
     std::optional<Time> last_look_;
 };
 

@@ -1,9 +1,9 @@
 #include "site_node/hosts/hosts_source.hpp"
 
 #include "core/app/log.hpp"
+#include "core/base/named_thread.hpp"
 
 #include <fmt/format.h>
-#include <pthread.h>
 
 #include <algorithm>
 #include <condition_variable>
@@ -79,8 +79,8 @@ std::vector<Expected<void>> HostsSource::show_background(const std::vector<std::
 
 Expected<void> HostsSource::run(std::stop_token stop, const Sink& sink) {
     const std::stop_callback wake(stop, [this] { bus_.waiter.wake(); });
-    std::jthread orders([this](std::stop_token s) { give_orders(std::move(s)); });
-    pthread_setname_np(orders.native_handle(), "orders");
+    const std::jthread orders =
+        named_thread("orders", [this](std::stop_token s) { give_orders(std::move(s)); });
     while (!stop.stop_requested()) {
         bus_.waiter.wait(kBetweenOrders);
         take_answers();
@@ -94,7 +94,8 @@ Expected<void> HostsSource::run(std::stop_token stop, const Sink& sink) {
 void HostsSource::give_orders(std::stop_token stop) {
     std::mutex mutex;
     std::condition_variable_any wake;
-    for (auto next = Clock::now(); !stop.stop_requested(); next += kBetweenOrders) {
+    for (auto next = Clock::now(); !stop.stop_requested();
+         next = std::max(next + kBetweenOrders, Clock::now())) {
         bus::SiteOrders orders;
         {
             const std::lock_guard lock(mutex_);
@@ -103,7 +104,7 @@ void HostsSource::give_orders(std::stop_token stop) {
             if (const std::uint64_t epoch = own_clock_.current(); epoch != own_epoch_) {
                 own_epoch_ = epoch;
                 first_valid_question_ = orders_.number;
-                table_.forget_clocks();
+                table_.forget_clocks(Clock::now());
                 app::log::warn(
                     "clock_was_set step_ms={:.1f} reason=\"the clock of this host was "
                     "set: those of the others are measured anew\"",
@@ -120,7 +121,7 @@ void HostsSource::give_orders(std::stop_token stop) {
 }
 
 void HostsSource::take_answers() {
-    bus_.answers.take([this](bus::ClockAnswer&& answer) {
+    const auto report = bus_.answers.take([this](bus::ClockAnswer&& answer) {
         const Timestamp returned = Timestamp::now();
         if (answer.site != options_.site) return;
         const std::lock_guard lock(mutex_);
@@ -129,6 +130,7 @@ void HostsSource::take_answers() {
         if (own_clock_.current() != own_epoch_) return;
         table_.add(answer, returned, Clock::now());
     });
+    complain("answers_rejected", report);
 }
 
 void HostsSource::take(const Sink& sink) {
@@ -137,11 +139,7 @@ void HostsSource::take(const Sink& sink) {
         const std::lock_guard lock(mutex_);
         table_.add(std::move(silhouette), Timestamp::now(), Clock::now(), frames_);
     });
-    if (report.num_rejected > 0) {
-        complaints_.warn(fmt::format("silhouettes_rejected num={} first=\"{}\"",
-                                     report.num_rejected,
-                                     report.first_rejection));
-    }
+    complain("silhouettes_rejected", report);
     {
         const std::lock_guard lock(mutex_);
         for (const capture::CameraFrame& frame : frames_) {
@@ -153,11 +151,12 @@ void HostsSource::take(const Sink& sink) {
 }
 
 void HostsSource::take_statuses() {
-    bus_.nodes.take([this](bus::CameraNodeStatus&& node) {
+    const auto report = bus_.nodes.take([this](bus::CameraNodeStatus&& node) {
         if (node.site != options_.site) return;
         const std::lock_guard lock(mutex_);
         for (std::size_t i = 0; i < node.cameras.size(); ++i) {
-            if (node.camera_indices[i] >= counters_.size()) continue;
+            // each host with cameras = "auto" reports those of the others as not there
+            if (!table_.has_camera(node.host, node.camera_indices[i])) continue;
             capture::CameraCounters& counters = counters_[node.camera_indices[i]];
             const bus::CameraStatus& camera = node.cameras[i];
             counters.connected = camera.connected;
@@ -176,6 +175,13 @@ void HostsSource::take_statuses() {
                 std::max(counters.last_picture.value_or(Clock::time_point{}), Clock::now() - age);
         }
     });
+    complain("statuses_rejected", report);
+}
+
+void HostsSource::complain(const char* what, const bus::TakeReport& report) {
+    if (report.num_rejected > 0)
+        complaints_.warn(fmt::format(
+            "{} num={} first=\"{}\"", what, report.num_rejected, report.first_rejection));
 }
 
 void HostsSource::log_events() {

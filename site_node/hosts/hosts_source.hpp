@@ -69,6 +69,7 @@ private:
     void take(const Sink& sink);
     void take_answers();
     void take_statuses();
+    void complain(const char* what, const bus::TakeReport& report);
     void log_events();
 
     config::Rig rig_;

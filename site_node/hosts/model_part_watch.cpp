@@ -11,9 +11,8 @@ ModelPartWatch::ModelPartWatch(const std::vector<HostEntry>& hosts, Time start) 
     if (model != hosts.end()) host_ = model->name;
 }
 
-std::optional<HostEvent> ModelPartWatch::look(std::uint64_t num_orders, Time now) {
-    if (num_orders != num_orders_) {
-        num_orders_ = num_orders;
+std::optional<HostEvent> ModelPartWatch::look(bool is_heard, Time now) {
+    if (is_heard) {
         last_ = now;
         told_missing_ = false;
         if (is_there_) return std::nullopt;

@@ -4,7 +4,6 @@
 #include "site_node/hosts/site_hosts.hpp"
 
 #include <chrono>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,14 +18,13 @@ public:
 
     ModelPartWatch(const std::vector<HostEntry>& hosts, Time start);
 
-    /// `num_orders`: that came from the model part so far. Returns a line for the log: once when
-    /// orders come, once when none came for `kPatience`.
-    std::optional<HostEvent> look(std::uint64_t num_orders, Time now);
+    /// `is_heard`: since the last look. Returns a line for the log: once when it is there, once
+    /// when it was not heard for `kPatience`.
+    std::optional<HostEvent> look(bool is_heard, Time now);
 
 private:
     std::string host_;  // of the model part
-    std::uint64_t num_orders_ = 0;
-    Time last_;  // when orders came last
+    Time last_;         // when it was heard last
     bool is_there_ = false;
     bool told_missing_ = false;
 };

@@ -50,6 +50,7 @@ Expected<std::unique_ptr<RegionHosts>> RegionHosts::open(const bus::Participant&
 RegionHosts::RegionHosts(RegionHostsOptions options, Bus bus)
     : options_(std::move(options)),
       bus_(std::move(bus)),
+      num_orders_(options_.hosts.size()),
       failures_(options_.hosts.size()),
       table_(options_.hosts, options_.period) {
     for (const RegionHost& host : options_.hosts) {
@@ -62,34 +63,43 @@ RegionHosts::RegionHosts(RegionHostsOptions options, Bus bus)
     }
 }
 
-void RegionHosts::order(std::uint64_t frame_id,
+void RegionHosts::order(const bus::FrameKey& frame,
                         std::span<const hull::SilhouetteView> views,
                         std::span<const std::uint8_t> delivered) {
     std::vector<bool> is_connected;
     for (const auto& writer : bus_.orders) is_connected.push_back(writer.num_readers() > 0);
+    frame_ = frame;
     {
         const std::lock_guard lock(mutex_);
-        table_.begin(frame_id, is_connected, Clock::now());
+        table_.begin(frame, is_connected, Clock::now());
     }
-    ++num_orders_;
     for (std::size_t i = 0; i < options_.hosts.size(); ++i) {
         failures_[i].clear();
-        if (!is_connected[i]) continue;
+        if (!wants_order(i)) continue;
         bus::RegionOrder order;
         order.site = options_.site;
         order.host = options_.hosts[i].name;
-        order.number = num_orders_;
-        order.frame_id = frame_id;
+        order.number = num_orders_[i] + 1;
+        order.frame_id = frame.frame_id;
+        order.capture_time = frame.capture_time;
         order.settings = options_.settings;
         for (const std::uint32_t camera : cameras_[i]) {
             if (delivered[camera] != 0) add_camera(camera, views[camera].contours, order);
         }
         const auto written = bus_.orders[i].write(order);
-        if (written) continue;
+        if (written) {
+            ++num_orders_[i];
+            continue;
+        }
         failures_[i] = written.error().message;
         const std::lock_guard lock(mutex_);
         table_.not_sent(i);
     }
+}
+
+bool RegionHosts::wants_order(std::size_t host) const {
+    const std::lock_guard lock(mutex_);
+    return table_.wants_order(host);
 }
 
 // Whether an answer has each region of its host and no other, and all are of our rig.
@@ -102,7 +112,7 @@ bool RegionHosts::is_ours(const bus::RegionMeshes& answer, const RegionHost& hos
 }
 
 void RegionHosts::take_answers(std::vector<std::optional<bus::RegionMeshes>>& answers) {
-    const auto report = bus_.meshes.take([&](bus::RegionMeshes&& answer) {
+    const auto on_answer = [&](bus::RegionMeshes&& answer) {
         if (answer.site != options_.site) return;
         const auto host = std::ranges::find(options_.hosts, answer.host, &RegionHost::name);
         if (host == options_.hosts.end()) {
@@ -116,19 +126,28 @@ void RegionHosts::take_answers(std::vector<std::optional<bus::RegionMeshes>>& an
         const std::lock_guard lock(mutex_);
         if (!is_ours(answer, *host))
             table_.refused(index, Clock::now());
-        else if (table_.answered(index, answer.frame_id, Clock::now()))
+        else if (table_.answered(index, {answer.frame_id, answer.capture_time}, Clock::now()))
             answers[index] = std::move(answer);
-    });
+    };
+    // a program that ends need not be waited for
+    const auto on_gone = [&](const bus::RegionMeshes& key, bus::Ending) {
+        const auto host = std::ranges::find(options_.hosts, key.host, &RegionHost::name);
+        if (key.site != options_.site || host == options_.hosts.end()) return;
+        const std::lock_guard lock(mutex_);
+        table_.gone(static_cast<std::size_t>(host - options_.hosts.begin()), Clock::now());
+    };
+    const auto report = bus_.meshes.take(on_answer, on_gone);
     if (report.num_rejected > 0)
         complaints_.warn(fmt::format(
             "meshes_rejected num={} first=\"{}\"", report.num_rejected, report.first_rejection));
 }
 
-bus::RegionMeshes RegionHosts::without_answer(std::size_t host, std::uint64_t frame_id) const {
+bus::RegionMeshes RegionHosts::without_answer(std::size_t host) const {
     bus::RegionMeshes failed;
     failed.site = options_.site;
     failed.host = options_.hosts[host].name;
-    failed.frame_id = frame_id;
+    failed.frame_id = frame_.frame_id;
+    failed.capture_time = frame_.capture_time;
     failed.reason = failures_[host].empty() ? table_.why_without_answer(host) : failures_[host];
     for (const std::uint32_t region : options_.hosts[host].regions)
         failed.regions.push_back({region, bus::RegionOutcome::kFailed, 0});
@@ -136,17 +155,18 @@ bus::RegionMeshes RegionHosts::without_answer(std::size_t host, std::uint64_t fr
     return failed;
 }
 
-std::vector<bus::RegionMeshes> RegionHosts::collect(std::uint64_t frame_id) {
+std::vector<bus::RegionMeshes> RegionHosts::collect() {
     std::vector<std::optional<bus::RegionMeshes>> answers(options_.hosts.size());
     while (true) {
         take_answers(answers);
-        Clock::duration left;
+        std::optional<RegionTable::Time> until;
+        const auto now = Clock::now();
         {
             const std::lock_guard lock(mutex_);
-            left = table_.deadline() - Clock::now();
-            if (!table_.waits_for_any() || left <= Clock::duration::zero()) break;
+            until = table_.waits_until(now);
         }
-        bus_.waiter.wait(std::chrono::ceil<std::chrono::milliseconds>(left));
+        if (!until) break;
+        bus_.waiter.wait(std::chrono::ceil<std::chrono::milliseconds>(*until - now));
     }
     std::vector<HostEvent> events;
     {
@@ -157,7 +177,7 @@ std::vector<bus::RegionMeshes> RegionHosts::collect(std::uint64_t frame_id) {
     for (const HostEvent& event : events) log(event);
     std::vector<bus::RegionMeshes> all;
     for (std::size_t i = 0; i < answers.size(); ++i) {
-        all.push_back(answers[i] ? std::move(*answers[i]) : without_answer(i, frame_id));
+        all.push_back(answers[i] ? std::move(*answers[i]) : without_answer(i));
         if (answers[i] && !all[i].reason.empty())
             failed_.warn(all[i].reason,
                          fmt::format("regions_failed host={} failed={} reason=\"{}\"",

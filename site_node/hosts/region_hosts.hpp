@@ -34,10 +34,10 @@ public:
     static Expected<std::unique_ptr<RegionHosts>> open(const bus::Participant& participant,
                                                        RegionHostsOptions options);
 
-    void order(std::uint64_t frame_id,
+    void order(const bus::FrameKey& frame,
                std::span<const hull::SilhouetteView> views,
                std::span<const std::uint8_t> delivered) override;
-    std::vector<bus::RegionMeshes> collect(std::uint64_t frame_id) override;
+    std::vector<bus::RegionMeshes> collect() override;
 
     /// Thread-safe.
     std::vector<bus::HostStatus> statuses() const;
@@ -51,15 +51,17 @@ private:
 
     RegionHosts(RegionHostsOptions options, Bus bus);
     void take_answers(std::vector<std::optional<bus::RegionMeshes>>& answers);
+    bool wants_order(std::size_t host) const;
     bool is_ours(const bus::RegionMeshes& answer, const RegionHost& host) const;
-    bus::RegionMeshes without_answer(std::size_t host, std::uint64_t frame_id) const;
+    bus::RegionMeshes without_answer(std::size_t host) const;
 
     RegionHostsOptions options_;
     Bus bus_;
     std::vector<std::vector<std::uint32_t>> cameras_;  // per host
-    std::uint64_t num_orders_ = 0;
-    std::vector<std::string> failures_;  // per host: why its last order did not leave
-    mutable std::mutex mutex_;           // guards `table_`
+    bus::FrameKey frame_;                              // of the last order
+    std::vector<std::uint64_t> num_orders_;            // per host: that left
+    std::vector<std::string> failures_;                // per host: why its last order did not leave
+    mutable std::mutex mutex_;                         // guards `table_`
     RegionTable table_;
     app::log::OncePerSecond complaints_;
     app::log::LastingLog failed_;

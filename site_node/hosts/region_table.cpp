@@ -11,6 +11,7 @@ namespace {
 using std::chrono::nanoseconds;
 
 constexpr nanoseconds kLeastPatience = std::chrono::milliseconds(250);
+constexpr nanoseconds kMostPatience = std::chrono::seconds(1);
 constexpr nanoseconds kLongestRegionStart = std::chrono::seconds(3);
 constexpr std::size_t kRememberedOrders = 64;
 constexpr int kInTime = 10;  // answers in a row until a late host is waited for again
@@ -19,41 +20,57 @@ constexpr int kInTime = 10;  // answers in a row until a late host is waited for
 
 RegionTable::RegionTable(std::vector<RegionHost> hosts, nanoseconds period)
     : names_(std::move(hosts)),
-      patience_(std::max(5 * period, kLeastPatience)),
+      patience_(std::clamp(5 * period, kLeastPatience, kMostPatience)),
+      is_slow_(period > kLeastPatience),
       hosts_(names_.size()) {}
 
-void RegionTable::begin(std::uint64_t frame_id, const std::vector<bool>& is_connected, Time now) {
+void RegionTable::begin(const bus::FrameKey& frame,
+                        const std::vector<bool>& is_connected,
+                        Time now) {
     begun_ = now;
-    orders_.push_back({frame_id, now});
+    orders_.push_back({frame, now});
     if (orders_.size() > kRememberedOrders) orders_.pop_front();
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
         Host& host = hosts_[i];
-        host.was_sent = true;
         host.has_answered = false;
         if (is_connected[i] && !host.is_connected) host.is_new = true;
         host.is_connected = is_connected[i];
         if (!host.is_connected) enter(i, bus::HostState::kMissing, now);
+        const bool is_silent = host.state == bus::HostState::kMissing && !host.is_new;
+        host.was_sent = host.is_connected &&
+                        !(is_silent && host.last_order && now - *host.last_order < kLeastPatience);
+        if (host.was_sent) host.last_order = now;
     }
 }
 
-bool RegionTable::waits_for(std::size_t i) const {
-    const Host& host = hosts_[i];
-    const bool is_expected = host.state == bus::HostState::kInUse || host.is_new;
-    return host.is_connected && host.was_sent && is_expected && !host.has_answered;
+std::optional<RegionTable::Time> RegionTable::waits_until(const Host& host) const {
+    if (!host.is_connected || !host.was_sent || host.has_answered) return std::nullopt;
+    if (host.state == bus::HostState::kInUse || host.is_new) return begun_ + patience_;
+    // its answer would be too old when the next metaframe looks for it
+    if (host.state == bus::HostState::kMissing && is_slow_) return begun_ + kLeastPatience;
+    return std::nullopt;
 }
 
-bool RegionTable::waits_for_any() const {
-    for (std::size_t i = 0; i < hosts_.size(); ++i) {
-        if (waits_for(i)) return true;
+std::optional<RegionTable::Time> RegionTable::waits_until(Time now) const {
+    std::optional<Time> last;
+    for (const Host& host : hosts_) {
+        const auto until = waits_until(host);
+        if (until && *until > now) last = std::max(last.value_or(*until), *until);
     }
-    return false;
+    return last;
 }
 
-bool RegionTable::answered(std::size_t i, std::uint64_t frame_id, Time now) {
-    const auto order = std::ranges::find(orders_, frame_id, &Order::frame_id);
+void RegionTable::gone(std::size_t i, Time now) {
+    hosts_[i].is_new = false;
+    hosts_[i].was_sent = false;
+    enter(i, bus::HostState::kMissing, now);
+}
+
+bool RegionTable::answered(std::size_t i, const bus::FrameKey& frame, Time now) {
+    const auto order = std::ranges::find(orders_, frame, &Order::frame);
     if (order == orders_.end()) return false;
     Host& host = hosts_[i];
-    const bool is_last = order->frame_id == orders_.back().frame_id;
+    const bool is_last = order->frame == orders_.back().frame;
     const bool is_young = now - order->time <= patience_ / 2;
     host.last_answer = now;
     host.has_answered |= is_last;
@@ -77,7 +94,7 @@ void RegionTable::refused(std::size_t i, Time now) {
 void RegionTable::end(Time now) {
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
         Host& host = hosts_[i];
-        if (waits_for(i)) {
+        if (waits_until(host)) {
             // patience is over
             const bool is_alive = host.last_answer && *host.last_answer >= begun_;
             enter(i, is_alive ? bus::HostState::kLate : bus::HostState::kMissing, now);
@@ -136,7 +153,9 @@ std::string RegionTable::why(const Host& host) const {
     switch (host.state) {
         case bus::HostState::kLate:
             return fmt::format(
-                "reason=\"its meshes come more than {:.0f} ms after their silhouettes\" "
+                "reason=\"its meshes came more than {:.0f} ms after their silhouettes; it is back "
+                "when "
+                "ten in a row need less than half of that\" "
                 "advice=\"give it fewer regions or more cores: atrium plan; atrium doctor on that "
                 "host\"",
                 milliseconds(patience_));
@@ -157,7 +176,7 @@ std::vector<bus::HostStatus> RegionTable::statuses(Time now) const {
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
         bus::HostStatus status;
         status.name = names_[i].name;
-        const bool is_overdue = waits_for(i) && now - begun_ > patience_ / 2;
+        const bool is_overdue = waits_until(hosts_[i]) && now - begun_ > patience_ / 2;
         status.state = is_overdue ? bus::HostState::kMissing : hosts_[i].state;
         status.num_regions = static_cast<std::uint32_t>(names_[i].regions.size());
         status.num_left_out = hosts_[i].num_left_out;

@@ -1,5 +1,6 @@
 #include "site_node/hosts/site_hosts.hpp"
 
+#include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
 #include "core/config/spelling.hpp"
 
@@ -128,6 +129,15 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
                              where_twice(former->second, host.name));
         }
     }
+    std::size_t num_entries = 0;  // of SiteStatus.hosts
+    for (const HostEntry& host : hosts) {
+        num_entries += host.takes_any || !host.cameras.empty() ? 1 : 0;
+        num_entries += !host.is_model && !host.regions.empty() ? 1 : 0;
+    }
+    if (num_entries > bus::kMaxCamerasPerSite)
+        return wrong(hosts.back().place,
+                     "at most {} are possible; one with cameras and regions counts twice",
+                     bus::kMaxCamerasPerSite);
     if (model == nullptr)
         return wrong(hosts.front().place, "none has model = true: which one computes the hull?");
     for (const geometry::CalibratedCamera& camera : rig.cameras) {

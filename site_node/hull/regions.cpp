@@ -81,7 +81,11 @@ void compute_region_hulls(std::span<const SilhouetteView* const> views,
             failure = status;
         }
     }
-    if (hull.status != HullStatus::kOk) hull.status = failure;
+    const auto num_own =
+        std::ranges::count_if(regions, [](const Region& region) { return !region.is_elsewhere; });
+    // nobody is in the others
+    if (hull.status != HullStatus::kOk && std::cmp_equal(hull.num_regions_failed, num_own))
+        hull.status = failure;
 }
 
 }  // namespace atrium::hull

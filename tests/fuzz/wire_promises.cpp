@@ -108,6 +108,7 @@ std::string broken_promise(const bus::RegionMeshes& message) {
     std::set<std::uint32_t> distinct;
     std::uint64_t num_bytes = 0;
     for (const bus::RegionHull& hull : message.regions) {
+        if (hull.outcome > bus::RegionOutcome::kOtherRig) return "an outcome";
         if (hull.region >= bus::kMaxRegions || !distinct.insert(hull.region).second)
             return "a region's index";
         if ((hull.num_bytes > 0) != (hull.outcome == bus::RegionOutcome::kMesh)) return "a mesh";

@@ -1,5 +1,6 @@
 #include "core/bus/limits.hpp"
 #include "core/bus/messages.hpp"
+#include "core/bus/names.hpp"
 #include "tests/unit/bus/wire_damage.hpp"
 
 #include <gtest/gtest.h>
@@ -67,6 +68,16 @@ TEST(FromWire, RefusesEachBadFieldOfARegionOrder) {
          {"contour_sizes", [](W& w) { w.contour_sizes._length = 0; }},
          {"vertices_px", [](W& w) { w.contour_sizes._buffer = &too_many[1]; }},
          {"vertices_px", [](W& w) { w.vertices_px._length = 4; }}});
+}
+
+TEST(AsLine, MakesAnyTextALine) {
+    EXPECT_EQ(as_line("plain"), "plain");
+    EXPECT_EQ(as_line("a\nb\xc3\xa4"), "a?b??");
+    for (const std::string& text :
+         {std::string(300, 'x'), std::string(200, 'x') + " " + std::string(100, 'y')}) {
+        EXPECT_TRUE(is_valid_line(as_line(text)));
+        EXPECT_TRUE(as_line(text).ends_with("..."));
+    }
 }
 
 TEST(FromWire, RefusesEachBadFieldOfRegionMeshes) {

@@ -234,7 +234,7 @@ private:
         ++question_;
         if (std::exchange(is_model_clock_set_, false)) {
             first_valid_question_ = question_;
-            table_->forget_clocks();
+            table_->forget_clocks(steady());
         }
         for (ReturningHost& host : hosts_) {
             if (!host.is_connected) continue;

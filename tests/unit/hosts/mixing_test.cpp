@@ -54,6 +54,8 @@ protected:
         host.clock_rate = rates[random_() % 3];
     }
 
+    Timestamp model_time() const { return {now_ns_ + model_offset_ns_}; }
+
     // Of another process.
     void begin_epoch(SimulatedHost& host) {
         host.epoch = std::make_unique<ClockEpoch>(
@@ -73,6 +75,10 @@ protected:
     static inline std::size_t total_complete_ = 0;
 
     std::int64_t now_ns_ = kStart_ns;
+    std::int64_t model_offset_ns_ = 0;
+    bool is_model_clock_set_ = false;  // and not noticed yet
+    std::uint64_t question_ = 0;
+    std::uint64_t first_valid_question_ = 0;
     std::mt19937_64 random_{static_cast<unsigned>(GetParam())};
     nanoseconds period_{GetParam() % 2 == 0 ? 33'333'333 : 16'666'667};
     std::multimap<std::int64_t, std::function<void()>> events_;
@@ -121,6 +127,15 @@ TEST_P(Mixing, NoMetaframeHasTwoInstants) {
 
     for (int instant = 0; instant < 300; ++instant) {
         const std::int64_t due_ns = kStart_ns + instant * period_.count();
+        // the clock of the model part's host is set, too
+        schedule(due_ns, [&] {
+            if (!chance(0.004)) return;
+            SimulatedHost model;
+            model.clock_offset_ns = model_offset_ns_;
+            set_clock(model);
+            model_offset_ns_ = model.clock_offset_ns;
+            is_model_clock_set_ = true;
+        });
         for (int h = 0; h < kHosts; ++h) {
             schedule(due_ns, [&, h, instant, due_ns] {
                 SimulatedHost& host = hosts[h];
@@ -146,7 +161,7 @@ TEST_P(Mixing, NoMetaframeHasTwoInstants) {
                     silhouette.frame_id = static_cast<std::uint64_t>(instant);
                     schedule(due_ns + 3'000'000 + delay(host).count(), [&, silhouette] {
                         std::vector<capture::CameraFrame> frames;
-                        table.add(silhouette, {now_ns_}, steady(), frames);
+                        table.add(silhouette, model_time(), steady(), frames);
                         for (auto& frame : frames)
                             look_at(assembler.add(std::move(frame), steady()));
                     });
@@ -158,19 +173,29 @@ TEST_P(Mixing, NoMetaframeHasTwoInstants) {
             look_at(assembler.expire(steady()));
         });
         if (instant % 3 != 0) continue;
+        // as HostsSource does
+        schedule(due_ns + 1, [&] {
+            ++question_;
+            if (!std::exchange(is_model_clock_set_, false)) return;
+            first_valid_question_ = question_;
+            table.forget_clocks(steady());
+        });
         for (int h = 0; h < kHosts; ++h) {
             schedule(due_ns + 2, [&, h, due_ns] {
                 bus::ClockAnswer answer;
                 answer.host = entries[h].name;
-                answer.asked = {now_ns_};
+                answer.asked = model_time();
+                answer.number = question_;
                 const std::int64_t at_ns = now_ns_ + delay(hosts[h]).count();
                 schedule(at_ns, [&, h, answer]() mutable {
                     SimulatedHost& host = hosts[h];
                     if (!host.is_there) return;
                     answer.received = answer.answered = {now_ns_ + host.clock_offset_ns};
                     answer.clock_epoch = host.epoch->current();
-                    schedule(now_ns_ + delay(host).count(),
-                             [&, answer] { table.add(answer, {now_ns_}, steady()); });
+                    schedule(now_ns_ + delay(host).count(), [&, answer] {
+                        if (is_model_clock_set_ || answer.number < first_valid_question_) return;
+                        table.add(answer, model_time(), steady());
+                    });
                 });
             });
         }

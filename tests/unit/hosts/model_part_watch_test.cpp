@@ -15,20 +15,20 @@ TEST(ModelPartWatch, TellsOnceThatNothingComesAndOnceThatItDoes) {
     model.is_model = true;
     const ModelPartWatch::Time start{};
     ModelPartWatch watch({HostEntry{}, model}, start);
-    EXPECT_FALSE(watch.look(0, start + 4s));
-    const auto missing = watch.look(0, start + 5s);
+    EXPECT_FALSE(watch.look(false, start + 4s));
+    const auto missing = watch.look(false, start + 5s);
     ASSERT_TRUE(missing);
     EXPECT_TRUE(missing->is_warning);
     EXPECT_THAT(missing->line, HasSubstr("model_part_missing host=hull"));
-    EXPECT_FALSE(watch.look(0, start + 50s));
-    const auto there = watch.look(3, start + 51s);
+    EXPECT_FALSE(watch.look(false, start + 50s));
+    const auto there = watch.look(true, start + 51s);
     ASSERT_TRUE(there);
     EXPECT_FALSE(there->is_warning);
     EXPECT_THAT(there->line, HasSubstr("model_part_there host=hull"));
-    EXPECT_FALSE(watch.look(9, start + 52s));
-    EXPECT_FALSE(watch.look(9, start + 56s));
-    EXPECT_TRUE(watch.look(9, start + 57s));
-    EXPECT_TRUE(watch.look(10, start + 58s));
+    EXPECT_FALSE(watch.look(true, start + 52s));
+    EXPECT_FALSE(watch.look(false, start + 56s));
+    EXPECT_TRUE(watch.look(false, start + 57s));
+    EXPECT_TRUE(watch.look(true, start + 58s));
 }
 
 }  // namespace

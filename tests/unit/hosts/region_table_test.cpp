@@ -13,6 +13,7 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 
 constexpr std::chrono::nanoseconds kRegionPeriod = 20ms;
+constexpr std::int64_t kRun_ns = 1'700'000'000'000'000'000;
 
 // Two hosts whose answers take as long as the test says.
 class RegionTableTest : public testing::Test {
@@ -21,7 +22,7 @@ protected:
     std::chrono::nanoseconds order(std::optional<std::chrono::nanoseconds> first,
                                    std::optional<std::chrono::nanoseconds> second) {
         const auto begin = now_;
-        table_.begin(++frame_,
+        table_.begin(key(++frame_),
                      {first.has_value() || is_there_[0], second.has_value() || is_there_[1]},
                      now_);
         const std::uint64_t frame = frame_;
@@ -29,9 +30,9 @@ protected:
             if (const auto delay = host == 0 ? first : second)
                 coming_.emplace(begin + *delay, std::pair(host, frame));
         }
-        while (table_.waits_for_any() && now_ < table_.deadline()) {
-            if (coming_.empty() || coming_.begin()->first > table_.deadline()) {
-                now_ = table_.deadline();
+        while (const auto until = table_.waits_until(now_)) {
+            if (coming_.empty() || coming_.begin()->first > *until) {
+                now_ = *until;
                 break;
             }
             arrive();
@@ -47,8 +48,13 @@ protected:
         const auto [time, what] = *coming_.begin();
         coming_.erase(coming_.begin());
         now_ = std::max(now_, time);
-        table_.answered(what.first, what.second, now_);
+        table_.answered(what.first, key(what.second), now_);
     }
+    // of a metaframe of the running model part
+    bus::FrameKey key(std::uint64_t frame) const {
+        return {frame, {kRun_ns + static_cast<std::int64_t>(frame)}};
+    }
+    bool waits() const { return table_.waits_until(now_).has_value(); }
     HostState state(std::size_t host) const { return table_.statuses(now_)[host].state; }
 
     RegionTable table_{{{"east", {0}}, {"west", {1, 2}}}, kRegionPeriod};
@@ -91,7 +97,7 @@ TEST_F(RegionTableTest, ASlowHostIsLeftOutUntilTenAnswersAreInTime) {
     is_there_[1] = true;
     for (int i = 0; i < 100; ++i) order(5ms, 300ms);
     EXPECT_EQ(state(1), HostState::kLate);
-    EXPECT_THAT(log_, HasSubstr("its meshes come more than 250 ms after"));
+    EXPECT_THAT(log_, HasSubstr("its meshes came more than 250 ms after"));
     while (!coming_.empty()) arrive();
     for (int i = 0; i < 9; ++i) order(5ms, 5ms);
     EXPECT_EQ(state(1), HostState::kLate);
@@ -109,10 +115,10 @@ TEST_F(RegionTableTest, AHostThatIsFoundButNeverAnswersCostsOneWait) {
 
 TEST_F(RegionTableTest, AHostWithAnotherRigIsNamedAndNobodyWaitsForIt) {
     order(5ms, 5ms);
-    table_.begin(++frame_, {true, true}, now_);
-    table_.answered(0, frame_, now_);
+    table_.begin(key(++frame_), {true, true}, now_);
+    table_.answered(0, key(frame_), now_);
     table_.refused(1, now_);
-    EXPECT_FALSE(table_.waits_for_any());
+    EXPECT_FALSE(waits());
     table_.end(now_);
     EXPECT_EQ(state(1), HostState::kOtherRig);
     EXPECT_THAT(table_.why_without_answer(1), HasSubstr("rig"));
@@ -127,36 +133,81 @@ TEST_F(RegionTableTest, AHostWithAnotherRigIsNamedAndNobodyWaitsForIt) {
 
 TEST_F(RegionTableTest, AHostThatIsOverdueIsShownAsMissing) {
     order(5ms, 5ms);
-    table_.begin(++frame_, {true, true}, now_);
-    table_.answered(0, frame_, now_);
+    table_.begin(key(++frame_), {true, true}, now_);
+    table_.answered(0, key(frame_), now_);
     now_ += 120ms;
     EXPECT_EQ(state(1), HostState::kInUse);
     now_ += 20ms;
     EXPECT_EQ(state(1), HostState::kMissing);
     EXPECT_EQ(state(0), HostState::kInUse);
-    table_.answered(1, frame_, now_);
+    table_.answered(1, key(frame_), now_);
     EXPECT_EQ(state(1), HostState::kInUse);
 }
 
 TEST_F(RegionTableTest, AnswersToUnknownOrdersCountForNothing) {
-    table_.begin(7, {true, true}, now_);
-    EXPECT_FALSE(table_.answered(0, 3, now_));
-    EXPECT_TRUE(table_.waits_for(0));
-    EXPECT_TRUE(table_.answered(0, 7, now_));
-    EXPECT_FALSE(table_.waits_for(0));
+    table_.begin(key(7), {true, false}, now_);
+    EXPECT_FALSE(table_.answered(0, key(3), now_));
+    // of the model part before this one, which counted as this one does
+    EXPECT_FALSE(table_.answered(0, {7, {kRun_ns - 1}}, now_));
+    EXPECT_TRUE(waits());
+    EXPECT_TRUE(table_.answered(0, key(7), now_));
+    EXPECT_FALSE(waits());
 }
 
 TEST_F(RegionTableTest, NobodyWaitsForAnOrderThatDidNotLeave) {
     order(5ms, 5ms);
-    table_.begin(++frame_, {true, true}, now_);
+    table_.begin(key(++frame_), {true, true}, now_);
     table_.not_sent(1);
-    EXPECT_TRUE(table_.waits_for(0));
-    EXPECT_FALSE(table_.waits_for(1));
-    table_.answered(0, frame_, now_ + 5ms);
-    EXPECT_FALSE(table_.waits_for_any());
+    EXPECT_TRUE(waits());
+    table_.answered(0, key(frame_), now_ + 5ms);
+    EXPECT_FALSE(waits());
     table_.end(now_ + 5ms);
     EXPECT_EQ(state(1), HostState::kInUse);  // it is not its fault
     EXPECT_EQ(table_.statuses(now_)[1].num_left_out, 1u);
+}
+
+TEST_F(RegionTableTest, NobodyWaitsForAProgramThatEnds) {
+    order(5ms, 5ms);
+    table_.begin(key(++frame_), {true, true}, now_);
+    table_.answered(0, key(frame_), now_);
+    EXPECT_TRUE(waits());
+    table_.gone(1, now_);
+    EXPECT_FALSE(waits());
+    table_.end(now_);
+    EXPECT_EQ(state(1), HostState::kMissing);
+    is_there_[1] = false;
+    order(5ms, {});
+    EXPECT_EQ(order(5ms, 30ms), 30ms) << "started anew";
+}
+
+// What nobody takes would fill the writer.
+TEST_F(RegionTableTest, AHostThatDoesNotAnswerGetsFewOrders) {
+    order(5ms, 5ms);
+    is_there_[1] = true;
+    order(5ms, {});
+    int num_orders = 0;
+    for (int i = 0; i < 100; ++i) {
+        order(5ms, {});
+        num_orders += table_.wants_order(1) ? 1 : 0;
+        EXPECT_TRUE(table_.wants_order(0));
+    }
+    EXPECT_LE(num_orders, 9) << "of two seconds";
+    EXPECT_GE(num_orders, 7);
+    order(5ms, 5ms);  // this one may not have got an order
+    for (int i = 0; i < 13 && state(1) != HostState::kInUse; ++i) order(5ms, 5ms);
+    EXPECT_EQ(state(1), HostState::kInUse);
+}
+
+// One metaframe a second: an answer would be too old when the next one looks for it.
+TEST_F(RegionTableTest, AMissingHostOfASlowSiteIsWaitedForAQuarterSecond) {
+    table_ = RegionTable({{"east", {0}}, {"west", {1, 2}}}, 1s);
+    is_there_ = {true, true};
+    EXPECT_EQ(order(5ms, {}), 1s) << "at most";
+    now_ += 1s;
+    EXPECT_EQ(order(5ms, {}), 250ms);
+    now_ += 1s;
+    EXPECT_EQ(order(5ms, 30ms), 30ms);
+    EXPECT_EQ(state(1), HostState::kInUse);
 }
 
 // Whatever hosts do, a metaframe waits for 250 ms at most, and for a host that is silent only once.

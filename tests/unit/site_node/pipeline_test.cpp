@@ -243,6 +243,54 @@ TEST_F(SitePipeline, CountsOmittedParts) {
     EXPECT_EQ(num_outside(points_), 0u);
 }
 
+// A host of region 1 that answers as told.
+struct RemoteRegion final : hosts::RemoteRegions {
+    void order(const bus::FrameKey& frame,
+               std::span<const hull::SilhouetteView> /*views*/,
+               std::span<const std::uint8_t> /*delivered*/) override {
+        ordered = frame;
+    }
+    std::vector<bus::RegionMeshes> collect() override {
+        bus::RegionMeshes answer;
+        answer.host = "helper";
+        answer.regions = {{1, outcome, 0}};
+        const bool has_failed = outcome != bus::RegionOutcome::kNobody;
+        answer.reason = has_failed ? "nothing comes from it" : "";
+        answer.left_out.num_regions_failed = has_failed ? 1 : 0;
+        return {answer};
+    }
+    bus::RegionOutcome outcome = bus::RegionOutcome::kFailed;
+    bus::FrameKey ordered;
+};
+
+TEST_F(SitePipeline, GoesOnWithoutTheRegionsOfALostHost) {
+    const config::Rig rig = make_rig(250.0);
+    PipelineOptions options;
+    options.hull.regions = {{"here", kSpace, {}}, {"there", {{5, 5, 0}, {6, 6, 2}}, {}}};
+    options.hull.regions[1].is_elsewhere = true;
+    RemoteRegion remote;
+    Pipeline pipeline = make(rig, options);
+    pipeline.set_remote_regions(&remote);
+    const capture::Metaframe somebody = test::take_pictures(kBody, rig);
+    process(pipeline, somebody);
+    EXPECT_EQ(remote.ordered, (bus::FrameKey{somebody.frame_id, somebody.capture_time}));
+    EXPECT_FALSE(frame_.draco.empty());
+    // who has left the region of this host must not stay in it
+    process(pipeline, test::take_pictures({}, rig));
+    EXPECT_TRUE(frame_.draco.empty());
+    EXPECT_EQ(frame_.losses.regions_failed, 1u);
+
+    options.hull.regions[0].is_elsewhere = true;
+    Pipeline without_own = make(rig, options);
+    without_own.set_remote_regions(&remote);
+    const auto failed = without_own.process(somebody, executor_, frame_);
+    ASSERT_FALSE(failed);
+    EXPECT_THAT(failed.error().message, HasSubstr("no hull: host helper: nothing comes from it"));
+    remote.outcome = bus::RegionOutcome::kNobody;
+    process(without_own, somebody);
+    EXPECT_TRUE(frame_.draco.empty());
+}
+
 // Two threads that share a pool run the first stage of each metaframe beside the second stage of
 // the previous one. They give the same bytes as one metaframe after another.
 TEST_F(SitePipeline, OverlappingMetaframesEqualSequentialOnes) {
