@@ -24,14 +24,6 @@ std::string without_sudo(std::string command) {
     return command;
 }
 
-// Files in /etc/atrium are those of services, if the package with their units is there.
-bool is_of_service(const std::filesystem::path& file, const System& system) {
-    std::error_code error;
-    const std::string path = std::filesystem::absolute(file, error).lexically_normal().string();
-    return path.starts_with(system.at("/etc/atrium/").string()) &&
-           system.exists("/lib/systemd/system/atrium-site@.service");
-}
-
 // The programs know their files best. What they refuse as wrong is an error here as well, except a
 // rig, which is a finding of its own.
 Expected<void> ask_programs(const Options& options, const Wishes& wishes, const System& system) {
@@ -67,7 +59,6 @@ Expected<Report> examine(const Options& options, const System& system, const Tex
         auto wishes = read_wishes(options.file, host);
         if (!wishes) return tl::unexpected(wishes.error());
         request.wishes = std::move(*wishes);
-        request.wishes.is_of_service = is_of_service(options.file, system);
         if (!request.roles) {
             const auto roles = roles_of_file(options.file, host);
             if (!roles) return tl::unexpected(roles.error());

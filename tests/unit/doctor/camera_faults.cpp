@@ -49,7 +49,7 @@ std::vector<Fault> presence_faults() {
              },
              "rp_filter of eth1 is 1 (strict)",
              "sudo sysctl -w net/ipv4/conf/eth1/rp_filter=2",
-             "/etc/sysctl.d/99-zz-atrium-rp_filter.conf"}};
+             "/etc/sysctl.d/60-atrium-rp_filter.conf"}};
 }
 
 std::vector<Fault> rights_faults() {
@@ -57,7 +57,7 @@ std::vector<Fault> rights_faults() {
              "no_packet_socket",
              [](FakeHost& host, Options&) { host.capabilities = 0; },
              "site_node and camera_node may not open packet sockets (no cap_net_raw)",
-             "bin/site_node cap_net_raw+ep "},
+             "bin/site_node cap_net_raw,cap_sys_nice+ep "},
             {"NoPacketSocketOfASite",
              "no_packet_socket",
              [](FakeHost& host, Options& options) {
@@ -65,7 +65,7 @@ std::vector<Fault> rights_faults() {
                  host.capabilities_of["site_node"] = 0;
              },
              "site_node may not open packet sockets",
-             "sudo setcap cap_net_raw+ep "},
+             "sudo setcap cap_net_raw,cap_sys_nice+ep "},
             {"NoPacketSocketOfAHost",
              "no_packet_socket",
              [](FakeHost& host, Options& options) {
@@ -84,16 +84,9 @@ std::vector<Fault> rights_faults() {
             {"UsbCameraClosed",
              "usb_camera_not_permitted",
              [](FakeHost& host, Options&) { host.write("/dev/bus/usb/002/003", "", 0660); },
-             "lab may not open the USB3 Vision cameras /dev/bus/usb/002/003",
-             "MODE=\"0664\", GROUP=\"plugdev\"' | sudo tee /etc/udev/rules.d/61-usb3-vision.rules"},
-            {"UsbCameraOfTheServices",
-             "usb_camera_not_permitted",
-             [](FakeHost& host, Options&) {
-                 host.write("/dev/bus/usb/002/003", "", 0660);
-                 host.write("/lib/udev/rules.d/60-atrium-cameras.rules", "#\n");
-             },
-             "lab may not open the USB3 Vision cameras /dev/bus/usb/002/003",
-             "sudo usermod -aG atrium lab"},
+             "lab may not open the USB3 Vision camera /dev/bus/usb/002/003",
+             "ATTR{idVendor}==\"1e10\", MODE=\"0660\", GROUP=\"plugdev\"' | sudo tee "
+             "/etc/udev/rules.d/60-atrium-cameras.rules"},
             {"UsbMemory",
              "usb_memory_small",
              [](FakeHost& host, Options&) {

@@ -190,22 +190,6 @@ TEST(Needs, AreThoseOfTheNetworkFiles) {
     }
 }
 
-TEST(Cameras, HangOnACardWithAPlug) {
-    Facts facts;
-    facts.network.card = "eno1";
-    const auto add = [&](const char* name, bool is_wired) {
-        Card& card = facts.network.cards.emplace_back();
-        card.name = name;
-        card.is_wired = is_wired;
-    };
-    add("docker0", false);
-    add("eno1", true);
-    EXPECT_EQ(likely_camera_card(facts)->name, "eno1");
-    add("eno2", true);
-    add("wlan0", false);
-    EXPECT_EQ(likely_camera_card(facts)->name, "eno2");
-}
-
 TEST(Load, DoesNotCountAtriumItself) {
     FakeHost host(facts_folder("own_load"));
     host.add_process(900, "site_node");

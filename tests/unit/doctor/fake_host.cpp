@@ -163,8 +163,7 @@ fs::path FakeHost::write_beside(const std::string& name, const std::string& cont
 fs::path FakeHost::write_site(double rate_hz, const std::string& bus) const {
     std::string rig = fmt::format("units = \"m\"\nrate_hz = {:.1f}\n", rate_hz);
     std::string site = fmt::format(
-        "[site]\nname = \"lab\"\nkept_silhouettes = \"kept/silhouettes\"\n[bus]\nnetwork = "
-        "\"{}\"\n[capture]\nsource = \"cameras\"\n"
+        "[site]\nname = \"lab\"\n[bus]\nnetwork = \"{}\"\n[capture]\nsource = \"cameras\"\n"
         "rig = \"rig.toml\"\ntrigger = \"external\"\n",
         bus);
     for (const int i : {1, 2}) {

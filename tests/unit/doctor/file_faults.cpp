@@ -64,7 +64,7 @@ std::vector<Fault> key_faults() {
              "keys_missing",
              [](FakeHost& host, Options& options) { options.keys = host.folder() / "no_keys"; },
              "is not there",
-             "sudo install -d -m 750 -o root -g root "},
+             "sudo mkdir -m 700 -p "},
             {"OpenPrivateKey",
              "private_key_readable",
              [](FakeHost& host, Options&) {
@@ -73,7 +73,7 @@ std::vector<Fault> key_faults() {
                             0644);
              },
              "Other users may read or write the private key",
-             "sudo chmod o-rwx,g-w "}};
+             "sudo chmod 600 "}};
 }
 
 std::vector<Fault> folder_faults() {
@@ -100,16 +100,7 @@ std::vector<Fault> folder_faults() {
                  host.disk_mb_per_s = make_error(ErrorKind::kUnavailable, "Permission denied");
              },
              "silhouettes cannot be written (Permission denied)",
-             "sudo install -d -o lab /"},
-            {"PrivateKeyThatItsGroupMayWrite",
-             "private_key_readable",
-             [](FakeHost& host, Options&) {
-                 host.write("/etc/atrium/keys/site_key.pem",
-                            "-----BEGIN PRIVATE KEY-----\nx\n-----END PRIVATE KEY-----\n",
-                            0660);
-             },
-             "site_key.pem",
-             "sudo chmod o-rwx,g-w "},
+             "sudo install -d -o lab .cache/silhouettes"},
             {"DiskFull",
              "disk_full",
              [](FakeHost& host, Options& options) {

@@ -21,7 +21,7 @@ std::vector<Fault> part_faults() {
                  options.host = "rihgt";
              },
              "This host, 'rihgt', is none of the hosts of ",
-             "site.toml --host right"},
+             "site.toml --host HOST"},
             {"HostNotInFileWithItsDomain",
              "host_not_in_file",
              [](FakeHost& host, Options& options) {
@@ -98,7 +98,7 @@ std::vector<Fault> part_faults() {
                  host.disk_mb_per_s = make_error(ErrorKind::kUnavailable, "Permission denied");
              },
              "cannot keep silhouettes",
-             "sudo install -d -o lab /"}};
+             "sudo install -d -o lab .cache/silhouettes"}};
 }
 
 std::vector<Fault> size_faults() {

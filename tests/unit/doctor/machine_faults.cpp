@@ -73,15 +73,6 @@ std::vector<Fault> clock_faults() {
              "two_time_daemons",
              [](FakeHost& host, Options&) { host.add_process(710, "systemd-timesyn"); },
              "chronyd and systemd-timesyn set the clock at the same time",
-             "sudo systemctl disable --now systemd-timesyncd"},
-            {"TimesyncdBesidePtp",
-             "two_time_daemons",
-             [](FakeHost& host, Options&) {
-                 host.remove("/proc/700");
-                 host.add_process(702, "phc2sys");
-                 host.add_process(710, "systemd-timesyn");
-             },
-             "phc2sys and systemd-timesyn set the clock at the same time",
              "sudo systemctl disable --now systemd-timesyncd"}};
 }
 
@@ -207,7 +198,7 @@ std::vector<Fault> load_faults() {
                         "SwapTotal: 8000000 kB\nSwapFree: 4000000 kB\n");
          },
          "3.81 GiB of memory are swapped out",
-         "sudo swapoff -a; sudo swapon -a"},
+         "sudo swapoff -a && sudo swapon -a"},
         {"TwoSites",
          "program_runs_twice",
          [](FakeHost& host, Options&) {

@@ -52,6 +52,13 @@ std::string address_of_camera(const Facts& facts, const SiteCamera& camera) {
     return "";
 }
 
+std::string path_of(const Facts& facts, const std::string& name) {
+    for (const Program& program : facts.programs) {
+        if (program.name == name) return shell_word(program.path.string());
+    }
+    return name;
+}
+
 bool is_there(const Facts& facts, const std::string& name) {
     return std::ranges::any_of(facts.programs, [&](const Program& program) {
         return program.name == name && program.is_there;
@@ -69,14 +76,13 @@ void check_presence(const Facts& facts, Findings& findings) {
     const std::string list = list_command(facts);
     if (facts.cameras.found->empty()) {
         const Card* card = likely_camera_card(facts);
-        std::string cure;
-        if (card != nullptr) {
-            const std::string name = shell_word(card->name);
-            cure = fmt::format("sudo ip link set dev {} up && ", name);
-            if (!has_link_local(*card))
-                cure += fmt::format("sudo ip address add 169.254.0.1/16 dev {} && ", name);
-        }
-        cure += list;
+        const std::string cure =
+            card == nullptr ? list
+            : has_link_local(*card)
+                ? fmt::format("sudo ip link set dev {} up && {}", shell_word(card->name), list)
+                : fmt::format("sudo ip address add 169.254.0.1/16 dev {} && {}",
+                              shell_word(card->name),
+                              list);
         findings.push_back(make_finding(
             "no_camera",
             "No camera answers: check its power and cable; a GigE Vision camera without a fixed "
@@ -109,9 +115,7 @@ void check_mtu(const Facts& facts, Findings& findings) {
     const auto raise = [](const Card& card) {
         return fmt::format("sudo ip link set dev {} mtu {}", shell_word(card.name), kWantedMtu);
     };
-    // on the card of the other programs each host and switch must take it, or datagrams vanish
-    const auto keep = [&](const Card& card) {
-        if (card.name == facts.network.card) return std::string();
+    const auto keep = [](const Card& card) {
         return write_line(fmt::format("ACTION==\"add\", SUBSYSTEM==\"net\", {}, ATTR{{mtu}}=\"{}\"",
                                       card.mac.empty() ? "KERNEL==\"" + card.name + "\""
                                                        : "ATTR{address}==\"" + card.mac + "\"",
@@ -146,13 +150,11 @@ void check_mtu(const Facts& facts, Findings& findings) {
         findings.push_back(make_finding(
             "mtu_small",
             fmt::format(
-                "The MTU of {}, which has cameras, is {}; they want {} (jumbo frames, also in {}): "
-                "small packets cost processor time and are lost sooner.",
+                "The MTU of {}, which has cameras, is {}; they want {} (jumbo frames, also in "
+                "the switch): small packets cost processor time and are lost sooner.",
                 card->name,
                 card->mtu,
-                kWantedMtu,
-                card->name == facts.network.card ? "all switches and hosts of this network"
-                                                 : "the switch"),
+                kWantedMtu),
             raise(*card),
             keep(*card)));
     }
@@ -193,7 +195,7 @@ void check_reverse_path(const Facts& facts, Findings& findings) {
                     "where cameras are: the kernel drops their packets; 2 (loose) keeps them.",
                     card->name),
         set_sysctl(name, "2"),
-        write_line(name + " = 2", "/etc/sysctl.d/99-zz-atrium-rp_filter.conf")));
+        write_line(name + " = 2", "/etc/sysctl.d/60-atrium-rp_filter.conf")));
 }
 
 // Which program takes the pictures, the file says. Without one, each may: one with the right is
@@ -211,8 +213,7 @@ void check_packet_sockets(const Facts& facts, Findings& findings) {
         if (!takes_pictures || !program.has_net_raw) continue;
         if (*program.has_net_raw) return;
         names += (names.empty() ? "" : " and ") + program.name;
-        // the units of systemd allow no other: with more, execve() fails
-        files += " cap_net_raw+ep " + shell_word(program.path.string());
+        files += " cap_net_raw,cap_sys_nice+ep " + shell_word(program.path.string());
     }
     if (names.empty()) return;
     findings.push_back(make_finding(
@@ -224,7 +225,6 @@ void check_packet_sockets(const Facts& facts, Findings& findings) {
 }
 
 void check_rights(const Facts& facts, Findings& findings) {
-    if (facts.wishes.is_of_service) return;  // its unit gives them
     check_packet_sockets(facts, findings);
     if (!facts.realtime_limit || *facts.realtime_limit >= kRealtime || facts.user.has_sys_nice)
         return;
@@ -239,34 +239,23 @@ void check_rights(const Facts& facts, Findings& findings) {
                    "/etc/security/limits.d/60-atrium.conf")));
 }
 
-// The packages have a rule of their own, for the group of the services: one of the same name in
-// /etc would take the cameras from them.
-void check_usb_rights(const Facts& facts, Findings& findings) {
-    std::string nodes;
-    for (const UsbCamera& camera : facts.cameras.usb) {
-        if (!camera.is_permitted) nodes += (nodes.empty() ? "" : ", ") + camera.node;
-    }
-    if (nodes.empty()) return;
-    const std::string user = shell_word(facts.user.name);
-    const std::string rule =
-        "SUBSYSTEM==\"usb\", ENV{DEVTYPE}==\"usb_device\", ENV{ID_USB_INTERFACES}==\"*:ef0500:*\", "
-        "MODE=\"0664\", GROUP=\"plugdev\"";
-    findings.push_back(make_finding(
-        "usb_camera_not_permitted",
-        fmt::format("{} may not open the USB3 Vision cameras {}. Log in again afterwards.",
-                    facts.user.name,
-                    nodes),
-        facts.cameras.has_packaged_rule
-            ? fmt::format("sudo usermod -aG atrium {}", user)
-            : write_line(rule, "/etc/udev/rules.d/61-usb3-vision.rules") +
-                  fmt::format(" && sudo udevadm control --reload && sudo udevadm trigger && sudo "
-                              "usermod -aG plugdev {}",
-                              user)));
-}
-
 void check_usb(const Facts& facts, Findings& findings) {
-    check_usb_rights(facts, findings);
     for (const UsbCamera& camera : facts.cameras.usb) {
+        if (!camera.is_permitted) {
+            const std::string rule = fmt::format(
+                "SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{}\", MODE=\"0660\", "
+                "GROUP=\"plugdev\"",
+                camera.vendor);
+            findings.push_back(make_finding(
+                "usb_camera_not_permitted",
+                fmt::format("{} may not open the USB3 Vision camera {}. Log in again afterwards.",
+                            facts.user.name,
+                            camera.node),
+                write_line(rule, "/etc/udev/rules.d/60-atrium-cameras.rules") +
+                    fmt::format(" && sudo udevadm control --reload && sudo udevadm trigger && "
+                                "sudo usermod -aG plugdev {}",
+                                shell_word(facts.user.name))));
+        }
         if (camera.speed_mbit > 0 && camera.speed_mbit < kUsb3_mbit) {
             findings.push_back(make_finding(
                 "usb_link_slow",
@@ -305,19 +294,10 @@ std::string same_rate_on_all(const Wishes& wishes) {
     return wishes.hosts.names.empty() ? "" : "; all hosts of the site need the same rate";
 }
 
-std::string path_of(const Facts& facts, const std::string& name) {
-    for (const Program& program : facts.programs) {
-        if (program.name == name) return shell_word(program.path.string());
-    }
-    return name;
-}
-
 const Card* likely_camera_card(const Facts& facts) {
-    // bridges of containers and WiFi have none
-    const bool has_wired = std::ranges::any_of(facts.network.cards, &Card::is_wired);
     const Card* likely = nullptr;
     for (const Card& card : facts.network.cards) {
-        if (card.is_loopback || (has_wired && !card.is_wired)) continue;
+        if (card.is_loopback) continue;
         if (likely == nullptr || likely->name == facts.network.card) likely = &card;
     }
     return likely;

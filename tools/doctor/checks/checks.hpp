@@ -34,9 +34,6 @@ std::vector<const Card*> camera_cards(const Facts& facts);
 /// nullptr if there is none but loopback.
 const Card* likely_camera_card(const Facts& facts);
 
-/// The program as a word for a shell: with its folder, if that is known.
-std::string path_of(const Facts& facts, const std::string& name);
-
 /// The command line of the program that takes this host's pictures, with the site file.
 std::string capture_program(const Facts& facts);
 /// What to add to a sentence whose cure is a lower rate; empty in a site of one process.

@@ -42,14 +42,6 @@ std::string service_of(const std::string& daemon) {
     return daemon == "ntpd" ? "ntpsec" : daemon;
 }
 
-// Of several: PTP keeps the best time, then chrony.
-std::string spare_daemon(const ClockFacts& clock) {
-    for (const char* name : {"systemd-timesyn", "ntpd"}) {
-        if (has_daemon(clock, name)) return name;
-    }
-    return clock.daemons[0] == "chronyd" ? clock.daemons[1] : clock.daemons[0];
-}
-
 }  // namespace
 
 Findings check_clock(const Facts& facts) {
@@ -57,7 +49,10 @@ Findings check_clock(const Facts& facts) {
     const ClockFacts& clock = facts.clock;
     const bool is_alone = facts.wishes.network == "loopback";  // one host, one clock
     if (clock.daemons.size() > 1) {
-        const std::string spare = spare_daemon(clock);
+        // chrony keeps the best time
+        const bool keeps_chrony = has_daemon(clock, "chronyd");
+        const std::string spare =
+            keeps_chrony && clock.daemons[0] == "chronyd" ? clock.daemons[1] : clock.daemons[0];
         findings.push_back(
             make_finding("two_time_daemons",
                          fmt::format("{} set the clock at the same time: it jumps; one must go.",

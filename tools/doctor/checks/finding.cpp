@@ -127,10 +127,9 @@ std::string set_sysctl(const std::string& name, const std::string& value) {
 }
 
 std::string keep_sysctl(const std::string& name, const std::string& value) {
-    return write_line(fmt::format("{} = {}", name, value),
-                      // files are read by their names: the last one wins
-                      fmt::format("/etc/sysctl.d/99-zz-atrium-{}.conf",
-                                  name.substr(name.find_last_of("./") + 1)));
+    return write_line(
+        fmt::format("{} = {}", name, value),
+        fmt::format("/etc/sysctl.d/60-atrium-{}.conf", name.substr(name.find_last_of("./") + 1)));
 }
 
 std::string size_text(std::uint64_t bytes) {

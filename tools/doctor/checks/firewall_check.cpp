@@ -34,32 +34,21 @@ Finding found_drop(const Facts& facts,
                                         "sudo firewall-cmd --reload",
                                         opening.firewalld));
     }
-    const bool is_of_iptables =
-        chain.family == "ip" && chain.table == "filter" && chain.name == "INPUT";
-    if (chain.family.empty() || is_of_iptables) {
+    if (chain.family.empty()) {
         return make_finding(
             id,
             text,
             fmt::format("sudo iptables -I INPUT {} -j ACCEPT", opening.iptables),
             "sudo apt install iptables-persistent && sudo netfilter-persistent save");
     }
-    const std::string rule = fmt::format("insert rule {} {} {} {} accept",
-                                         chain.family,
-                                         shell_word(chain.table),
-                                         shell_word(chain.name),
-                                         opening.nft);
-    // a rule for a table that another program makes would stop the whole file
-    const bool is_of_file = facts.network.nft_file.find(fmt::format(
-                                "table {} {}", chain.family, chain.table)) != std::string::npos;
-    return make_finding(
-        id,
-        text,
-        "sudo nft " + rule,
-        is_of_file
-            ? fmt::format("echo {} | sudo tee -a /etc/nftables.conf && sudo systemctl enable "
-                          "nftables",
-                          shell_word(rule))
-            : "");
+    return make_finding(id,
+                        text,
+                        fmt::format("sudo nft insert rule {} {} {} {} accept",
+                                    chain.family,
+                                    shell_word(chain.table),
+                                    shell_word(chain.name),
+                                    opening.nft),
+                        "sudo nft list ruleset | sudo tee /etc/nftables.conf");
 }
 
 std::string place_of(const Chain& chain) {
@@ -112,17 +101,14 @@ void check_camera_port(const Facts& facts, const RuleSet& rules, Findings& findi
         *chain,
         "firewall_drops_cameras",
         fmt::format("The firewall ({}) drops UDP from port {}: answers and pictures of GigE Vision "
-                    "cameras do not arrive. They come to any port: the command opens UDP on {}.",
+                    "cameras do not arrive.",
                     place_of(*chain),
-                    kCameraPort,
-                    card.empty() || (!facts.network.has_ufw && rules.has_firewalld)
-                        ? "all cards of this host"
-                        : card),
+                    kCameraPort),
         {.nft =
              card.empty() ? "meta l4proto udp" : fmt::format("iifname {} meta l4proto udp", name),
          .iptables = card.empty() ? "-p udp" : fmt::format("-i {} -p udp", name),
          .ufw = card.empty() ? "proto udp from any" : fmt::format("in on {} proto udp", name),
-         .firewalld = "--add-rich-rule='rule protocol value=\"udp\" accept'"}));
+         .firewalld = fmt::format("--zone=trusted --add-interface={}", name)}));
 }
 
 }  // namespace

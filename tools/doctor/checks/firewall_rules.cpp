@@ -224,7 +224,6 @@ Verdict walk(const RuleSet& rules,
              const Datagram& datagram,
              int depth,
              std::size_t& num_left) {
-    bool may_have_returned = false;
     for (const Rule& rule : chain.rules) {
         if (num_left == 0) return Verdict::kAccept;
         --num_left;
@@ -239,11 +238,11 @@ Verdict walk(const RuleSet& rules,
         }
         if (verdict == Verdict::kAccept) return verdict;
         if (held == Holds::kMaybe) {
-            may_have_returned |= verdict == Verdict::kReturn;
+            // one that may return before a drop is in doubt
+            if (verdict == Verdict::kReturn) return Verdict::kAccept;
             continue;
         }
-        // a drop after a return in doubt is in doubt: the chain before decides
-        return verdict == Verdict::kReturn || may_have_returned ? Verdict::kNone : verdict;
+        return verdict == Verdict::kReturn ? Verdict::kNone : verdict;
     }
     return Verdict::kNone;
 }

@@ -6,15 +6,10 @@
 namespace atrium::doctor {
 namespace {
 
-struct Driver {
-    const char* package;
-    const char* component;  // of Debian's archive; /etc/apt/sources.list must name it
-};
-
-Driver driver_of(const std::string& vendor) {
-    if (vendor == "0x10de") return {"nvidia-driver", "non-free"};
-    if (vendor == "0x1002") return {"firmware-amd-graphics", "non-free-firmware"};
-    return {"firmware-misc-nonfree", "non-free-firmware"};
+std::string driver_of(const std::string& vendor) {
+    if (vendor == "0x10de") return "nvidia-driver";
+    if (vendor == "0x1002") return "firmware-amd-graphics";
+    return "firmware-misc-nonfree";
 }
 
 }  // namespace
@@ -28,21 +23,18 @@ Findings check_graphics(const Facts& facts) {
     };
     if (graphics.nodes.empty()) {
         if (!graphics.vendor_without_driver.empty()) {
-            const Driver driver = driver_of(graphics.vendor_without_driver);
             add("gpu_without_driver",
                 fmt::format("The GPU (PCI vendor {}) has no driver: the processor draws, a few "
-                            "pictures per second. Its package is in the component {} of Debian, "
-                            "which /etc/apt/sources.list must name.",
-                            graphics.vendor_without_driver,
-                            driver.component),
-                fmt::format("sudo apt update && sudo apt install {} && sudo reboot",
-                            driver.package));
+                            "pictures per second.",
+                            graphics.vendor_without_driver),
+                fmt::format("sudo apt install {} && sudo reboot",
+                            driver_of(graphics.vendor_without_driver)));
         } else {
             add("no_gpu",
                 "This host shows no GPU (no /dev/dri/renderD*): the processor draws, a few "
                 "pictures "
                 "per second.",
-                path_of(facts, "viewer") + " --view.width 640 --view.height 360");
+                "viewer --view.width 640 --view.height 360");
         }
         return findings;
     }

@@ -84,9 +84,7 @@ void check_memory(const LoadFacts& load, Findings& findings) {
             "swap_used",
             fmt::format("{} of memory are swapped out to disk; their next use costs pictures.",
                         size_text(load.swap_used)),
-            load.memory_available && *load.memory_available > load.swap_used
-                ? "sudo swapoff -a; sudo swapon -a"
-                : "ps -eo pid,rss,comm --sort=-rss | head"));
+            "sudo swapoff -a && sudo swapon -a"));
     }
 }
 

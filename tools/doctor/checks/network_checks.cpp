@@ -105,9 +105,7 @@ void check_choice(const Facts& facts, Findings& findings) {
             fmt::format("No default route says which network card to use: Atrium takes {}, not {}.",
                         network.card,
                         others),
-            fmt::format("{} --network lan --interface {}",
-                        path_of(facts, "site_node"),
-                        shell_word(network.card))));
+            fmt::format("site_node --network lan --interface {}", shell_word(network.card))));
         return;
     }
     if (!facts.wishes.interface.empty()) {
@@ -140,7 +138,7 @@ void check_choice(const Facts& facts, Findings& findings) {
             ? "This host has no network card but loopback: other hosts are not reached."
             : fmt::format("No network card is up ({} is down): other hosts are not reached.", down),
         down.empty()
-            ? path_of(facts, "site_node") + " --network loopback"
+            ? "site_node --network loopback"
             : fmt::format("sudo ip link set dev {0} up && sudo dhclient {0}", shell_word(down))));
 }
 
@@ -235,12 +233,8 @@ void check_link(const Facts& facts, const Card& card, const char* use, Findings&
                 card.name,
                 use,
                 share(card.lost)),
-            fmt::format("{0} -G {1} rx $(/usr/sbin/ethtool -g {1} | grep -m 1 RX: | tr -dc 0-9)",
-                        ethtool,
-                        name),
-            keep_by_udev(card,
-                         "RUN+=\"/bin/sh -c '/usr/sbin/ethtool -G $name rx $$(/usr/sbin/ethtool -g "
-                         "$name | grep -m 1 RX: | tr -dc 0-9)'\"")));
+            fmt::format("{} -G {} rx 4096", ethtool, name),
+            keep_by_udev(card, "RUN+=\"/usr/sbin/ethtool -G $name rx 4096\"")));
     }
     if (is_much(card.damaged)) {
         findings.push_back(make_finding(

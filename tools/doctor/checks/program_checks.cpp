@@ -1,4 +1,3 @@
-#include "core/config/spelling.hpp"
 #include "tools/doctor/checks/checks.hpp"
 
 #include <fmt/format.h>
@@ -64,17 +63,6 @@ std::string cure_of_libraries(const std::vector<std::string>& libraries) {
     return fmt::format("sudo apt install {}", fmt::join(packages, " "));
 }
 
-std::string package_of(const std::string& program) {
-    if (program == "world_server") return "atrium-world";
-    return program == "viewer" ? "atrium-viewer" : "atrium-site";
-}
-
-// In the folder of the packages, or of the sources.
-std::string cure_of_programs(const std::string& folder, const std::string& package) {
-    if (folder == "/usr/lib/atrium/bin") return fmt::format("sudo apt install ./{}_*.deb", package);
-    return fmt::format("deploy/build.sh build && sudo cp -r build/bin/. {}", shell_word(folder));
-}
-
 bool is_needed(const Facts& facts, const std::string& name) {
     const Roles& roles = facts.roles;
     const SiteHosts& hosts = facts.wishes.hosts;
@@ -101,7 +89,7 @@ void check_versions(const Facts& facts, Findings& findings) {
                     "other.",
                     folder,
                     text),
-        cure_of_programs(folder, "atrium-*")));
+        fmt::format("deploy/build.sh build && sudo cp -r build/bin/. {}", shell_word(folder))));
 }
 
 // The programs of a site must know the name of their host.
@@ -115,11 +103,7 @@ void check_host(const Facts& facts, Findings& findings) {
     const auto alike = std::ranges::find_if(hosts.names, [&](const std::string& name) {
         return !short_name.empty() && name.substr(0, name.find('.')) == short_name;
     });
-    const std::vector<std::string> meant = config::names_meant_by(hosts.own, hosts.names);
-    const std::string name = alike != hosts.names.end() ? *alike
-                             : meant.size() == 1        ? meant.front()
-                                                        : "";
-    const bool has_alike = !name.empty();
+    const bool has_alike = alike != hosts.names.end();
     findings.push_back(make_finding(
         "host_not_in_file",
         fmt::format("{} is none of the hosts of {}: {}. Name it by --host, also to its programs{}, "
@@ -131,7 +115,7 @@ void check_host(const Facts& facts, Findings& findings) {
                     has_alike ? "" : " (replace HOST)"),
         fmt::format("atrium doctor {} --host {}",
                     shell_word(wishes.file.string()),
-                    has_alike ? shell_word(name) : "HOST")));
+                    has_alike ? shell_word(*alike) : "HOST")));
 }
 
 void check_cores(const Facts& facts, Findings& findings) {
@@ -163,7 +147,6 @@ void check_nice(const Facts& facts, Findings& findings) {
     const int wanted = facts.wishes.nice;
     constexpr int kLevels = 20;
     if (wanted >= 0 || !facts.nice_limit || facts.user.has_sys_nice) return;
-    if (facts.wishes.is_of_service) return;  // its unit allows it
     if (*facts.nice_limit >= static_cast<std::uint64_t>(kLevels - wanted)) return;
     findings.push_back(make_finding(
         "nice_not_permitted",
@@ -187,7 +170,8 @@ Findings check_programs(const Facts& facts) {
             findings.push_back(
                 make_finding("program_missing",
                              fmt::format("The program {} is missing in {}.", program.name, folder),
-                             cure_of_programs(folder, package_of(program.name))));
+                             fmt::format("deploy/build.sh build && sudo cp -r build/bin/. {}",
+                                         shell_word(folder))));
         }
         if (!program.missing_libraries.empty()) {
             findings.push_back(make_finding("library_missing",
@@ -216,17 +200,15 @@ Findings check_site_file(const Facts& facts) {
                          fmt::format("grep -n recording {}", shell_word(wishes.file.string()))));
     }
     if (!wishes.rig_problem.empty()) {
-        findings.push_back(
-            make_finding("rig_unusable",
-                         fmt::format("The rig of {} cannot be used: {}{}",
-                                     wishes.file.string(),
-                                     wishes.rig_problem,
-                                     wishes.rig_problem.ends_with('?') ? "" : "."),
-                         wishes.source == "cameras"
-                             ? fmt::format("atrium calibrate wand --config {} -o {}",
-                                           shell_word(wishes.file.string()),
-                                           shell_word(wishes.rig.string()))
-                             : fmt::format("grep -n rig {}", shell_word(wishes.file.string()))));
+        findings.push_back(make_finding(
+            "rig_unusable",
+            fmt::format("The rig of {} cannot be used: {}{}",
+                        wishes.file.string(),
+                        wishes.rig_problem,
+                        wishes.rig_problem.ends_with('?') ? "" : "."),
+            wishes.source == "cameras"
+                ? fmt::format("atrium calibrate wand --config {}", shell_word(wishes.file.string()))
+                : fmt::format("grep -n rig {}", shell_word(wishes.file.string()))));
     }
     check_cores(facts, findings);
     return findings;

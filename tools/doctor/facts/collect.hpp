@@ -49,6 +49,8 @@ KeyFacts collect_keys(const System& system, const std::filesystem::path& folder)
 
 /// The table of `site_node --list-cameras`.
 std::vector<FoundCamera> parse_camera_table(const std::string& table);
+/// Whether the user may read and write a file with this owner and mode.
+bool may_use(const struct stat& status, const User& user);
 /// "10.77.0.1"; nullopt for anything else.
 std::optional<std::uint32_t> parse_address(const std::string& text);
 std::string address_text(std::uint32_t address);

@@ -23,7 +23,6 @@ struct Card {
     std::string mac;  // empty: unknown
     bool is_up = false;
     bool is_loopback = false;
-    bool is_wired = false;  // a device with a plug: no bridge, no WiFi
     bool has_multicast = false;
     int mtu = 0;         // [bytes]; 0: unknown
     int speed_mbit = 0;  // 0: unknown
@@ -51,7 +50,6 @@ struct NetworkFacts {
     std::vector<Card> cards;
     std::vector<Route> routes;
     std::string nft_rules;       // JSON of nft; empty: not readable
-    std::string nft_file;        // /etc/nftables.conf
     std::string iptables_rules;  // text of iptables-save; empty: not readable
     bool has_ufw = false;
     bool has_ethtool = true;
@@ -78,7 +76,6 @@ struct CameraFacts {
     std::optional<std::vector<FoundCamera>> found;  // that answer
     std::vector<UsbCamera> usb;
     std::optional<std::uint64_t> usb_memory_mb;
-    bool has_packaged_rule = false;  // of udev, for the group atrium
 };
 
 struct Program {
@@ -160,8 +157,6 @@ struct KeyFacts {
     bool has_openssl = true;
     std::vector<Certificate> certificates;
     std::vector<std::filesystem::path> open_keys;  // private keys that others may read
-    bool is_readable = true;                       // the folder
-    bool has_group = false;                        // atrium, of the services
 };
 
 struct SiteCamera {
@@ -206,7 +201,6 @@ struct Wishes {
         std::string host;  // its --host; empty: without
     };
     std::vector<Reader> readers;
-    bool is_of_service = false;  // systemd runs its programs, with rights of their own
 };
 
 struct Roles {

@@ -1,7 +1,6 @@
 #include "tools/doctor/facts/collect.hpp"
 
 #include <time.h>
-#include <unistd.h>
 
 #include <cstring>
 
@@ -67,9 +66,6 @@ KeyFacts collect_keys(const System& system, const std::filesystem::path& folder)
     std::error_code error;
     keys.is_there = std::filesystem::is_directory(folder, error);
     const System files("/");
-    keys.is_readable = !keys.is_there || access(folder.c_str(), R_OK | X_OK) == 0;
-    const std::string groups = system.read("/etc/group").value_or("");
-    keys.has_group = groups.starts_with("atrium:") || groups.find("\natrium:") != std::string::npos;
     std::size_t num_files = 0;
     for (const std::string& name : files.names_in(std::filesystem::absolute(folder).string())) {
         if (!has_suffix(name) || ++num_files > kMaxFiles) continue;
@@ -81,7 +77,7 @@ KeyFacts collect_keys(const System& system, const std::filesystem::path& folder)
         if (text.find("-----BEGIN CERTIFICATE-----") != std::string::npos)
             keys.certificates.push_back(examine_certificate(system, file, keys));
         const bool is_private = text.find("PRIVATE KEY-----") != std::string::npos;
-        if (is_private && (status->st_mode & (S_IWGRP | S_IRWXO)) != 0)
+        if (is_private && (status->st_mode & (S_IRWXG | S_IRWXO)) != 0)
             keys.open_keys.push_back(file);
     }
     return keys;

@@ -7,7 +7,6 @@
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <set>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -94,14 +93,10 @@ Ticks ticks_now(const System& system, const std::vector<Process>& atrium_process
             ticks.atrium += static_cast<double>(parse_number(fields[i]).value_or(0));
     }
     const std::string folder = "/sys/devices/system/cpu/";
-    std::set<std::string> packages;  // each of its cores shows the same count
     for (const std::string& cpu : system.names_in(folder)) {
         const auto count =
             system.read_number(folder + cpu + "/thermal_throttle/package_throttle_count");
-        const std::string package =
-            system.read_word(folder + cpu + "/topology/physical_package_id").value_or("");
-        if (count && packages.insert(package).second)
-            ticks.throttled = ticks.throttled.value_or(0) + *count;
+        if (count) ticks.throttled = ticks.throttled.value_or(0) + *count;
     }
     return ticks;
 }
@@ -220,6 +215,14 @@ std::string host_name(const System& system) {
     return name.substr(0, kMaxName);
 }
 
+bool may_use(const struct stat& status, const User& user) {
+    if (user.is_root) return true;
+    if (status.st_uid == user.id) return (status.st_mode & S_IRUSR) && (status.st_mode & S_IWUSR);
+    if (std::find(user.groups.begin(), user.groups.end(), status.st_gid) != user.groups.end())
+        return (status.st_mode & S_IRGRP) && (status.st_mode & S_IWGRP);
+    return (status.st_mode & S_IROTH) && (status.st_mode & S_IWOTH);
+}
+
 ClockFacts collect_clock(const System& system) {
     ClockFacts facts;
     if (const auto clock = system.clock()) {
@@ -286,7 +289,8 @@ GraphicsFacts collect_graphics(const System& system,
         if (name.rfind("renderD", 0) != 0) continue;
         const std::string node = "/dev/dri/" + name;
         facts.nodes.push_back(node);
-        if (!system.may_open(node, user)) facts.closed_nodes.push_back(node);
+        const auto status = system.status_of(node);
+        if (status && !may_use(*status, user)) facts.closed_nodes.push_back(node);
     }
     const std::filesystem::path probe = programs / "graphics_probe";
     std::error_code ignored;

@@ -47,10 +47,6 @@ bool set_option(int socket, int level, int name, const Value& value) {
 
 }  // namespace
 
-bool LiveSystem::may_open(const std::string& file, const User& /*user*/) const {
-    return faccessat(AT_FDCWD, at(file).c_str(), R_OK | W_OK, AT_EACCESS) == 0;
-}
-
 bool LiveSystem::has_card(const std::string& name) const {
     return if_nametoindex(name.c_str()) != 0;
 }

@@ -36,7 +36,6 @@ std::optional<Card> read_card(const System& system, const std::string& name) {
     card.mac = system.read_word(folder + "address").value_or("");
     card.is_up = (*flags & IFF_UP) != 0;
     card.is_loopback = (*flags & IFF_LOOPBACK) != 0;
-    card.is_wired = system.exists(folder + "device") && !system.exists(folder + "wireless");
     card.has_multicast = (*flags & IFF_MULTICAST) != 0;
     card.mtu = small_number("mtu");
     card.speed_mbit = small_number("speed");  // "-1" without a link: no number
@@ -142,7 +141,6 @@ NetworkFacts collect_network(const System& system, const Wishes& wishes) {
     network.routes = read_routes(system);
     choose_card(wishes, system.card_addresses().has_value(), network);
     network.nft_rules = nft_json(system);
-    network.nft_file = system.read("/etc/nftables.conf").value_or("");
     const auto iptables = system.run({"iptables-save"});
     if (iptables && iptables->exit_code == 0) network.iptables_rules = iptables->text;
     // a copy of a host may lack its programs

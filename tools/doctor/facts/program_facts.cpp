@@ -76,7 +76,8 @@ std::vector<UsbCamera> usb_cameras(const System& system, const User& user) {
         camera.vendor = system.read_word(device + "/idVendor").value_or("");
         camera.speed_mbit = static_cast<int>(
             std::min<std::uint64_t>(1'000'000, system.read_number(device + "/speed").value_or(0)));
-        camera.is_permitted = system.may_open(camera.node, user);
+        const auto status = system.status_of(camera.node);
+        camera.is_permitted = !status || may_use(*status, user);
         cameras.push_back(std::move(camera));
     }
     return cameras;
@@ -123,9 +124,6 @@ CameraFacts collect_cameras(const System& system,
                             const User& user) {
     CameraFacts facts;
     facts.usb = usb_cameras(system, user);
-    for (const char* folder : {"/lib", "/usr/lib"})
-        facts.has_packaged_rule |=
-            system.exists(std::string(folder) + "/udev/rules.d/60-atrium-cameras.rules");
     facts.usb_memory_mb = system.read_number("/sys/module/usbcore/parameters/usbfs_memory_mb");
     constexpr int kNoneAnswers = 3;
     for (const Program& program : programs) {

@@ -93,16 +93,6 @@ std::vector<std::string> System::names_in(const std::string& folder) const {
     return names;
 }
 
-bool System::may_open(const std::string& file, const User& user) const {
-    const auto status = status_of(file);
-    if (!status || user.is_root) return true;
-    const mode_t mode = status->st_mode;
-    if (status->st_uid == user.id) return (mode & S_IRUSR) && (mode & S_IWUSR);
-    if (std::ranges::find(user.groups, status->st_gid) != user.groups.end())
-        return (mode & S_IRGRP) && (mode & S_IWGRP);
-    return (mode & S_IROTH) && (mode & S_IWOTH);
-}
-
 std::optional<struct stat> System::status_of(const std::string& file) const {
     struct stat status {};
     if (stat(at(file).c_str(), &status) != 0) return std::nullopt;

@@ -67,9 +67,6 @@ public:
     /// Lets a second pass, over which counters are compared. Returns false if they cannot change.
     virtual bool let_time_pass() const;
     virtual Timestamp now() const { return Timestamp::now(); }
-    /// Whether the user may read and write a device. Here by its mode: a live system knows its
-    /// access list, too.
-    virtual bool may_open(const std::string& file, const User& user) const;
     virtual std::string variable(const std::string& name) const;  // of the environment
 
 private:
@@ -81,7 +78,6 @@ class LiveSystem : public System {
 public:
     explicit LiveSystem(std::filesystem::path root = "/") : System(std::move(root)) {}
     std::optional<Output> run(const std::vector<std::string>& command) const override;
-    bool may_open(const std::string& file, const User& user) const override;
     std::optional<std::vector<CardAddress>> card_addresses() const override;
     bool has_card(const std::string& name) const override;
     std::optional<Clock> clock() const override;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
-#include <string_view>
 
 namespace atrium::doctor {
 namespace {
@@ -22,29 +21,11 @@ const char* colour_of(Severity severity) {
     return kColours[static_cast<std::size_t>(severity)];
 }
 
-// Bytes of the printable UTF-8 character at the begin; 0: there is none. Terminals take U+0080 to
-// U+009F as commands.
-std::size_t letter_length(std::string_view text) {
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-    if (byte(0) < 0x80) return byte(0) >= ' ' && byte(0) <= '~' ? 1 : 0;
-    const std::size_t length = byte(0) >= 0xF5 ? 0 : byte(0) >= 0xF0 ? 4 : byte(0) >= 0xE0 ? 3 : 2;
-    if (byte(0) < 0xC2 || length == 0 || text.size() < length) return 0;
-    for (std::size_t i = 1; i < length; ++i) {
-        if ((byte(i) & 0xC0U) != 0x80) return 0;
-    }
-    return byte(0) == 0xC2 && byte(1) < 0xA0 ? 0 : length;
-}
-
 // Names come from the system: none may send commands to a terminal.
-// Letters of other languages stay: a command with their paths is to be pasted.
-std::string printable(const std::string& text) {
-    std::string out;
-    for (std::size_t i = 0; i < text.size();) {
-        const std::size_t length = letter_length(std::string_view(text).substr(i));
-        out += length == 0 ? "?" : text.substr(i, length);
-        i += std::max<std::size_t>(length, 1);
-    }
-    return out;
+std::string printable(std::string text) {
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return text;
 }
 
 class Page {
