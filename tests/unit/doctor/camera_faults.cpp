@@ -57,7 +57,7 @@ std::vector<Fault> rights_faults() {
              "no_packet_socket",
              [](FakeHost& host, Options&) { host.capabilities = 0; },
              "site_node and camera_node may not open packet sockets (no cap_net_raw)",
-             "bin/site_node cap_net_raw,cap_sys_nice+ep "},
+             "bin/site_node cap_net_raw+ep "},
             {"NoPacketSocketOfASite",
              "no_packet_socket",
              [](FakeHost& host, Options& options) {
@@ -65,7 +65,7 @@ std::vector<Fault> rights_faults() {
                  host.capabilities_of["site_node"] = 0;
              },
              "site_node may not open packet sockets",
-             "sudo setcap cap_net_raw,cap_sys_nice+ep "},
+             "sudo setcap cap_net_raw+ep "},
             {"NoPacketSocketOfAHost",
              "no_packet_socket",
              [](FakeHost& host, Options& options) {

@@ -213,7 +213,7 @@ void check_packet_sockets(const Facts& facts, Findings& findings) {
         if (!takes_pictures || !program.has_net_raw) continue;
         if (*program.has_net_raw) return;
         names += (names.empty() ? "" : " and ") + program.name;
-        files += " cap_net_raw,cap_sys_nice+ep " + shell_word(program.path.string());
+        files += " cap_net_raw+ep " + shell_word(program.path.string());
     }
     if (names.empty()) return;
     findings.push_back(make_finding(
