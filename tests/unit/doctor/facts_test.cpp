@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <array>
@@ -163,6 +164,47 @@ TEST(ShellWord, IsOneWordForAShell) {
         EXPECT_EQ(echoed(shell_word(word)), word);
     EXPECT_EQ(shell_word("eth0.5"), "eth0.5");
     EXPECT_EQ(shell_word("a\nb"), "'a?b'");
+}
+
+// As setfacl writes it: the owner, this user and the mask may read and write, nobody else.
+bool list_user(const fs::path& file, std::uint32_t user) {
+    struct Entry {
+        std::uint16_t tag, permissions;
+        std::uint32_t id;
+    };
+    constexpr std::uint32_t kNobody = 0xFFFFFFFF;
+    const struct {
+        std::uint32_t version = 2;
+        std::array<Entry, 5> entries;
+    } list{.entries = {{{0x01, 6, kNobody},
+                        {0x02, 6, user},
+                        {0x04, 0, kNobody},
+                        {0x10, 6, kNobody},
+                        {0x20, 0, kNobody}}}};
+    return setxattr(file.c_str(), "system.posix_acl_access", &list, sizeof list, 0) == 0;
+}
+
+TEST(LiveSystem, KnowsListsOfAccess) {
+    const FakeHost host(facts_folder("lists"));
+    host.write("/listed", "", 0600);
+    host.write("/closed", "", 0000);
+    const LiveSystem system(host.at("/"));
+    // root opens all: it tries as another user, for whom the file is in a list
+    constexpr uid_t kOther = 65'534;
+    const bool is_root = geteuid() == 0;
+    const bool is_open = !is_root || list_user(host.at("/listed"), kOther);
+    if (is_root) {
+        ASSERT_EQ(seteuid(kOther), 0);
+    }
+    const bool is_reachable = system.exists("/listed");
+    const bool opens_listed = system.may_open("/listed");
+    const bool opens_closed = system.may_open("/closed");
+    if (is_root) {
+        ASSERT_EQ(seteuid(0), 0);
+    }
+    EXPECT_EQ(opens_listed, is_open && is_reachable);
+    EXPECT_FALSE(opens_closed);
+    EXPECT_TRUE(system.may_open("/missing"));
 }
 
 TEST(CameraTable, IsReadAsItIsPrinted) {

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,7 @@ public:
     std::vector<CardAddress> addresses;
     System::Clock kernel_clock{true, 0.4};
     User who;
+    std::set<std::string> listed;  // files that a list of access opens to this user
     std::uint64_t capabilities = ~std::uint64_t{0};  // of all programs but these
     std::map<std::string, std::uint64_t> capabilities_of;
     bool is_multicast_heard = true;
@@ -60,6 +62,9 @@ public:
     std::optional<std::vector<CardAddress>> card_addresses() const override { return addresses; }
     std::optional<System::Clock> clock() const override { return kernel_clock; }
     User user() const override { return who; }
+    bool may_open(const std::string& file) const override {
+        return listed.contains(file) || System::may_open(file);
+    }
     std::optional<std::uint64_t> file_capabilities(
         const std::filesystem::path& file) const override;
     std::optional<bool> hears_multicast(std::uint32_t /*card_address*/) const override {

@@ -79,6 +79,18 @@ TEST(DoctorHealthy, IsSilentWithASiteFileKeysAndRecordings) {
     EXPECT_EQ(report->text, "");
 }
 
+// Debian opens the GPU so to the user at the screen, who is in no group of it.
+TEST(DoctorHealthy, MayHaveDevicesByAListOfAccess) {
+    FakeHost host(faults_folder("listed"));
+    host.listed = {"/dev/dri/renderD128", "/dev/bus/usb/002/003"};
+    for (const std::string& node : host.listed) host.write(node, "", 0660);
+    EXPECT_FALSE(host.examine_json()->is_ill);
+    host.listed.clear();
+    const auto closed = host.examine_json();
+    EXPECT_THAT(closed->text, HasSubstr("gpu_not_permitted"));
+    EXPECT_THAT(closed->text, HasSubstr("usb_camera_not_permitted"));
+}
+
 TEST(DoctorHealthy, SaysSoOnATerminal) {
     const FakeHost host(faults_folder("healthy_terminal"));
     const auto report = examine({.programs = host.programs()}, host, {.says_healthy = true});

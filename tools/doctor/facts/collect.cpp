@@ -63,12 +63,12 @@ Facts collect(const System& system, const Request& request) {
     facts.nice_limit = limit_of(system, "Max nice priority");
     const bool may_have_cameras = facts.roles.site && request.wishes.file.empty();
     if (facts.roles.camera || may_have_cameras) {
-        facts.cameras = collect_cameras(system, facts.programs, facts.user);
+        facts.cameras = collect_cameras(system, facts.programs);
         const bool has_cameras =
             !facts.cameras.usb.empty() || (facts.cameras.found && !facts.cameras.found->empty());
         if (!request.roles) facts.roles.camera |= has_cameras;
     }
-    if (facts.roles.viewer) facts.graphics = collect_graphics(system, request.programs, facts.user);
+    if (facts.roles.viewer) facts.graphics = collect_graphics(system, request.programs);
     if (!request.recordings.empty())
         facts.recordings = collect_folder(system, request.recordings, kTestBytes);
     if (!request.wishes.cache.empty()) {

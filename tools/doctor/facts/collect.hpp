@@ -33,14 +33,10 @@ Facts collect(const System& system, const Request& request);
 
 // The parts.
 NetworkFacts collect_network(const System& system, const Wishes& wishes);
-CameraFacts collect_cameras(const System& system,
-                            const std::vector<Program>& programs,
-                            const User& user);
+CameraFacts collect_cameras(const System& system, const std::vector<Program>& programs);
 std::vector<Program> collect_programs(const System& system, const std::filesystem::path& folder);
 ClockFacts collect_clock(const System& system);
-GraphicsFacts collect_graphics(const System& system,
-                               const std::filesystem::path& programs,
-                               const User& user);
+GraphicsFacts collect_graphics(const System& system, const std::filesystem::path& programs);
 LoadFacts collect_load(const System& system);
 FolderFacts collect_folder(const System& system,
                            const std::filesystem::path& folder,
@@ -49,8 +45,6 @@ KeyFacts collect_keys(const System& system, const std::filesystem::path& folder)
 
 /// The table of `site_node --list-cameras`.
 std::vector<FoundCamera> parse_camera_table(const std::string& table);
-/// Whether the user may read and write a file with this owner and mode.
-bool may_use(const struct stat& status, const User& user);
 /// "10.77.0.1"; nullopt for anything else.
 std::optional<std::uint32_t> parse_address(const std::string& text);
 std::string address_text(std::uint32_t address);

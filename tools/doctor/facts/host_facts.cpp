@@ -215,14 +215,6 @@ std::string host_name(const System& system) {
     return name.substr(0, kMaxName);
 }
 
-bool may_use(const struct stat& status, const User& user) {
-    if (user.is_root) return true;
-    if (status.st_uid == user.id) return (status.st_mode & S_IRUSR) && (status.st_mode & S_IWUSR);
-    if (std::find(user.groups.begin(), user.groups.end(), status.st_gid) != user.groups.end())
-        return (status.st_mode & S_IRGRP) && (status.st_mode & S_IWGRP);
-    return (status.st_mode & S_IROTH) && (status.st_mode & S_IWOTH);
-}
-
 ClockFacts collect_clock(const System& system) {
     ClockFacts facts;
     if (const auto clock = system.clock()) {
@@ -273,9 +265,7 @@ LoadFacts collect_load(const System& system) {
     return load;
 }
 
-GraphicsFacts collect_graphics(const System& system,
-                               const std::filesystem::path& programs,
-                               const User& user) {
+GraphicsFacts collect_graphics(const System& system, const std::filesystem::path& programs) {
     GraphicsFacts facts;
     const std::string devices = "/sys/bus/pci/devices/";
     for (const std::string& device : system.names_in(devices)) {
@@ -289,8 +279,7 @@ GraphicsFacts collect_graphics(const System& system,
         if (name.rfind("renderD", 0) != 0) continue;
         const std::string node = "/dev/dri/" + name;
         facts.nodes.push_back(node);
-        const auto status = system.status_of(node);
-        if (status && !may_use(*status, user)) facts.closed_nodes.push_back(node);
+        if (!system.may_open(node)) facts.closed_nodes.push_back(node);
     }
     const std::filesystem::path probe = programs / "graphics_probe";
     std::error_code ignored;

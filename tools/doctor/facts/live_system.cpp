@@ -95,6 +95,10 @@ User LiveSystem::user() const {
     return user;
 }
 
+bool LiveSystem::may_open(const std::string& file) const {
+    return faccessat(AT_FDCWD, at(file).c_str(), R_OK | W_OK, AT_EACCESS) == 0 || errno == ENOENT;
+}
+
 std::optional<std::uint64_t> LiveSystem::file_capabilities(
     const std::filesystem::path& file) const {
     vfs_ns_cap_data data{};

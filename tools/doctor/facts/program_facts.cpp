@@ -50,7 +50,7 @@ Program examine_program(const System& system, const std::filesystem::path& path)
     return program;
 }
 
-std::vector<UsbCamera> usb_cameras(const System& system, const User& user) {
+std::vector<UsbCamera> usb_cameras(const System& system) {
     std::vector<UsbCamera> cameras;
     const std::string devices = "/sys/bus/usb/devices/";
     std::string last;
@@ -76,8 +76,7 @@ std::vector<UsbCamera> usb_cameras(const System& system, const User& user) {
         camera.vendor = system.read_word(device + "/idVendor").value_or("");
         camera.speed_mbit = static_cast<int>(
             std::min<std::uint64_t>(1'000'000, system.read_number(device + "/speed").value_or(0)));
-        const auto status = system.status_of(camera.node);
-        camera.is_permitted = !status || may_use(*status, user);
+        camera.is_permitted = system.may_open(camera.node);
         cameras.push_back(std::move(camera));
     }
     return cameras;
@@ -119,11 +118,9 @@ std::vector<FoundCamera> parse_camera_table(const std::string& table) {
     return cameras;
 }
 
-CameraFacts collect_cameras(const System& system,
-                            const std::vector<Program>& programs,
-                            const User& user) {
+CameraFacts collect_cameras(const System& system, const std::vector<Program>& programs) {
     CameraFacts facts;
-    facts.usb = usb_cameras(system, user);
+    facts.usb = usb_cameras(system);
     facts.usb_memory_mb = system.read_number("/sys/module/usbcore/parameters/usbfs_memory_mb");
     constexpr int kNoneAnswers = 3;
     for (const Program& program : programs) {

@@ -27,6 +27,14 @@ std::string trimmed(const std::string& text) {
 
 }  // namespace
 
+bool may_use(const struct stat& status, const User& user) {
+    if (user.is_root) return true;
+    if (status.st_uid == user.id) return (status.st_mode & S_IRUSR) && (status.st_mode & S_IWUSR);
+    if (std::find(user.groups.begin(), user.groups.end(), status.st_gid) != user.groups.end())
+        return (status.st_mode & S_IRGRP) && (status.st_mode & S_IWGRP);
+    return (status.st_mode & S_IROTH) && (status.st_mode & S_IWOTH);
+}
+
 std::optional<std::uint64_t> parse_number(const std::string& text) {
     const std::string word = trimmed(text);
     std::uint64_t number = 0;
@@ -106,6 +114,10 @@ std::optional<std::vector<CardAddress>> System::card_addresses() const { return 
 bool System::has_card(const std::string& /*name*/) const { return true; }
 std::optional<System::Clock> System::clock() const { return std::nullopt; }
 User System::user() const { return {.name = "root", .is_root = true, .groups = {}}; }
+bool System::may_open(const std::string& file) const {
+    const auto status = status_of(file);
+    return !status || may_use(*status, user());
+}
 std::optional<std::uint64_t> System::file_capabilities(
     const std::filesystem::path& /*file*/) const {
     return std::nullopt;

@@ -54,6 +54,9 @@ public:
     };
     virtual std::optional<Clock> clock() const;
     virtual User user() const;
+    /// Whether this user may read and write a file; true if it is not there. The base class knows
+    /// only owner and mode, no lists of access.
+    virtual bool may_open(const std::string& file) const;
     /// The capabilities that a program file gives its process, one bit each.
     virtual std::optional<std::uint64_t> file_capabilities(const std::filesystem::path& file) const;
     /// Whether a datagram to 239.255.0.1 that leaves by the card with this address is heard on this
@@ -82,6 +85,7 @@ public:
     bool has_card(const std::string& name) const override;
     std::optional<Clock> clock() const override;
     User user() const override;
+    bool may_open(const std::string& file) const override;
     std::optional<std::uint64_t> file_capabilities(
         const std::filesystem::path& file) const override;
     std::optional<bool> hears_multicast(std::uint32_t card_address) const override;
@@ -91,6 +95,9 @@ public:
     bool let_time_pass() const override;
     std::string variable(const std::string& name) const override;
 };
+
+/// Whether the user may read and write a file with this owner and mode.
+bool may_use(const struct stat& status, const User& user);
 
 // Parsing of the texts of a kernel. Each accepts anything.
 std::optional<std::uint64_t> parse_number(const std::string& text);
