@@ -85,8 +85,34 @@ std::vector<Fault> rights_faults() {
              "usb_camera_not_permitted",
              [](FakeHost& host, Options&) { host.write("/dev/bus/usb/002/003", "", 0660); },
              "lab may not open the USB3 Vision camera /dev/bus/usb/002/003",
-             "ATTR{idVendor}==\"1e10\", MODE=\"0660\", GROUP=\"plugdev\"' | sudo tee "
-             "/etc/udev/rules.d/60-atrium-cameras.rules"},
+             "ENV{ID_USB_INTERFACES}==\"*:ef0500:*\", GROUP=\"plugdev\", MODE=\"0660\"' | sudo tee "
+             "/etc/udev/rules.d/59-atrium-cameras.rules && "},
+            {"UsbCamerasClosed",
+             "usb_camera_not_permitted",
+             [](FakeHost& host, Options&) {
+                 host.add_usb_camera("2-2", 4);
+                 host.write("/dev/bus/usb/002/003", "", 0660);
+                 host.write("/dev/bus/usb/002/004", "", 0660);
+             },
+             "cameras /dev/bus/usb/002/003, /dev/bus/usb/002/004. Log in again",
+             "&& sudo usermod -aG plugdev lab"},
+            {"UsbCameraClosedWithThePackage",
+             "usb_camera_not_permitted",
+             [](FakeHost& host, Options&) {
+                 host.write("/lib/udev/rules.d/60-atrium-cameras.rules", "");
+                 host.write("/dev/bus/usb/002/003", "", 0660);
+             },
+             "lab may not open",
+             "sudo udevadm control --reload && sudo udevadm trigger --subsystem-match=usb "
+             "--action=change && sudo usermod -aG atrium lab"},
+            {"UsbCameraClosedToTheService",
+             "usb_camera_not_permitted",
+             [](FakeHost& host, Options& options) {
+                 options.file = host.install();
+                 host.write("/dev/bus/usb/002/003", "", 0644);
+             },
+             "The service of the file may not open the USB3 Vision camera /dev/bus/usb/002/003.",
+             "sudo udevadm trigger --subsystem-match=usb --action=change"},
             {"UsbMemory",
              "usb_memory_small",
              [](FakeHost& host, Options&) {

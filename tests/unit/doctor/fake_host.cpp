@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
+#include <sstream>
 #include <system_error>
 
 namespace atrium::doctor {
@@ -68,14 +70,7 @@ void write_machine(const FakeHost& host) {
     host.write("/sys/bus/pci/devices/0000:01:00.0/vendor", "0x1002\n");
     host.write("/sys/bus/pci/devices/0000:01:00.0/driver/module", "amdgpu\n");
     host.write("/dev/dri/renderD128", "", 0666);
-    const std::string usb = "/sys/bus/usb/devices/2-1";
-    host.write(usb + ":1.0/bInterfaceClass", "ef\n");
-    host.write(usb + ":1.0/bInterfaceSubClass", "05\n");
-    host.write(usb + "/busnum", "2\n");
-    host.write(usb + "/devnum", "3\n");
-    host.write(usb + "/speed", "5000\n");
-    host.write(usb + "/idVendor", "1e10\n");
-    host.write("/dev/bus/usb/002/003", "", 0666);
+    host.add_usb_camera("2-1", 3);
     host.write("/sys/module/usbcore/parameters/usbfs_memory_mb", "1000\n");
 }
 
@@ -110,7 +105,8 @@ std::string camera_table_of(const std::vector<std::pair<std::string, std::string
 FakeHost::FakeHost(const fs::path& folder)
     : System(folder / "root"),
       who{.name = "lab", .is_root = false, .groups = {60'000}, .id = 60'000},
-      folder_(folder) {
+      folder_(folder),
+      programs_(folder / "bin") {
     fs::remove_all(folder);
     fs::create_directories(programs());
     write_network(*this);
@@ -186,6 +182,42 @@ fs::path FakeHost::write_hosts(double rate_hz) const {
            "[[host]]\nname = \"hull\"\nmodel = true\n"
            "[[host]]\nname = \"stairs\"\nregions = [\"stairs\"]\n";
     return folder_ / "site.toml";
+}
+
+void FakeHost::name_cache(const fs::path& file, const std::string& folder) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    std::string content = text.str();
+    const std::string table = "[site]\n";
+    content.insert(content.find(table) + table.size(), "kept_silhouettes = \"" + folder + "\"\n");
+    std::ofstream(file) << content;
+}
+
+fs::path FakeHost::install() {
+    const fs::path to = at("/usr/lib/atrium/bin");
+    fs::create_directories(to.parent_path());
+    fs::rename(programs_, to);
+    programs_ = to;
+    for (const char* unit : {"atrium-site@.service", "atrium-world.service"})
+        write(std::string("/lib/systemd/system/") + unit, "");
+    write("/lib/udev/rules.d/60-atrium-cameras.rules", "");
+    write("/etc/group",
+          "root:x:0:\nplugdev:x:46:lab\natrium:x:" + std::to_string(getegid()) + ":\n");
+    write_site();
+    fs::create_directories(at("/etc/atrium/sites"));
+    for (const char* file : {"rig.toml", "site.toml"})
+        fs::copy_file(folder_ / file, at("/etc/atrium/sites") / file);
+    return at("/etc/atrium/sites/site.toml");
+}
+
+void FakeHost::add_usb_camera(const std::string& port, int number) const {
+    const std::string usb = "/sys/bus/usb/devices/" + port;
+    write(usb + ":1.0/bInterfaceClass", "ef\n");
+    write(usb + ":1.0/bInterfaceSubClass", "05\n");
+    write(usb + "/busnum", "2\n");
+    write(usb + "/devnum", std::to_string(number) + "\n");
+    write(usb + "/speed", "5000\n");
+    write(fmt::format("/dev/bus/usb/002/{:03}", number), "", 0666);
 }
 
 void FakeHost::set_cameras(const std::vector<std::pair<std::string, std::string>>& cameras) {

@@ -32,14 +32,21 @@ public:
     std::filesystem::path write_beside(const std::string& name, const std::string& content) const;
     /// A site file for two cameras of 1 MP at eth1, with its rig.
     std::filesystem::path write_site(double rate_hz = 30.0, const std::string& bus = "lan") const;
+    /// Names a folder for kept silhouettes in a site file.
+    static void name_cache(const std::filesystem::path& file, const std::string& folder);
 
     /// The same for a site on several hosts: left with cam1, right with those that no other has,
     /// hull with the model part, stairs with a region.
     std::filesystem::path write_hosts(double rate_hz = 30.0) const;
+    /// Moves the programs to where Debian packages have them, with all that these set up, and
+    /// returns the file of a site's service. The group of the services is that of this process.
+    std::filesystem::path install();
+    /// Adds a USB3 Vision camera that all may open, at this port of bus 2.
+    void add_usb_camera(const std::string& port, int number) const;
     /// The cameras that answer, with addresses and serials.
     void set_cameras(const std::vector<std::pair<std::string, std::string>>& cameras);
 
-    std::filesystem::path programs() const { return folder_ / "bin"; }
+    std::filesystem::path programs() const { return programs_; }
     std::filesystem::path folder() const { return folder_; }
     /// Examines this host as `atrium doctor --json` with its programs.
     Expected<Report> examine_json(Options options = {}) const;
@@ -83,6 +90,7 @@ public:
 
 private:
     std::filesystem::path folder_;
+    std::filesystem::path programs_;
 };
 
 /// The processor's line of /proc/stat: ticks of user programs and of rest since the start.

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <fstream>
 #include <set>
 
 namespace atrium::doctor {
@@ -89,6 +90,44 @@ TEST(DoctorHealthy, MayHaveDevicesByAListOfAccess) {
     const auto closed = host.examine_json();
     EXPECT_THAT(closed->text, HasSubstr("gpu_not_permitted"));
     EXPECT_THAT(closed->text, HasSubstr("usb_camera_not_permitted"));
+}
+
+// The default folder is below the one in which the site is started, which is not known.
+TEST(DoctorHealthy, NeedsNoCacheThatTheFileDoesNotName) {
+    FakeHost host(faults_folder("cache"));
+    host.disk_mb_per_s = make_error(ErrorKind::kUnavailable, "Permission denied");
+    EXPECT_FALSE(host.examine_json({.file = host.write_site()})->is_ill);
+}
+
+// The services have the rights that a user lacks, and their own folder.
+TEST(DoctorHealthy, LeavesRightsToTheServices) {
+    FakeHost host(faults_folder("services"));
+    const std::filesystem::path site = host.install();
+    const std::filesystem::path world = host.at("/etc/atrium/world.toml");
+    host.write("/etc/atrium/world.toml", "[process]\nnice = -5\n");
+    FakeHost::name_cache(site, "/srv/kept");
+    std::ofstream(site, std::ios::app) << "[process]\nnice = -5\n";
+    host.capabilities = 0;
+    host.write("/proc/self/limits",
+               "Max nice priority         0      0\nMax realtime priority     0      0\n");
+    host.write("/dev/bus/usb/002/003", "", 0664);
+    host.disk_mb_per_s = make_error(ErrorKind::kUnavailable, "Permission denied");
+    for (const auto& file : {site, world}) {
+        const auto well = host.examine_json({.file = file});
+        ASSERT_TRUE(well) << well.error().message;
+        EXPECT_FALSE(well->is_ill) << well->text;
+        EXPECT_THAT(well->text, HasSubstr("those of the service that runs the file"));
+    }
+    for (const char* unit : {"atrium-site@.service", "atrium-world.service"})
+        host.remove(std::string("/lib/systemd/system/") + unit);
+    const auto own = host.examine_json({.file = site});
+    for (const char* id : {"no_packet_socket",
+                           "no_realtime",
+                           "nice_not_permitted",
+                           "usb_camera_not_permitted",
+                           "cache_not_writable"})
+        EXPECT_THAT(own->text, HasSubstr(id));
+    EXPECT_THAT(host.examine_json({.file = world})->text, HasSubstr("nice_not_permitted"));
 }
 
 TEST(DoctorHealthy, SaysSoOnATerminal) {

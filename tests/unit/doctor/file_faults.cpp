@@ -89,6 +89,7 @@ std::vector<Fault> folder_faults() {
              "cache_not_writable",
              [](FakeHost& host, Options& options) {
                  options.file = host.write_site();
+                 FakeHost::name_cache(options.file, "/srv/kept");
                  host.disk_mb_per_s = make_error(ErrorKind::kUnavailable, "Read-only file system");
              },
              "Read-only file system",
@@ -97,10 +98,11 @@ std::vector<Fault> folder_faults() {
              "cache_not_writable",
              [](FakeHost& host, Options& options) {
                  options.file = host.write_site();
+                 FakeHost::name_cache(options.file, "/srv/kept");
                  host.disk_mb_per_s = make_error(ErrorKind::kUnavailable, "Permission denied");
              },
-             "silhouettes cannot be written (Permission denied)",
-             "sudo install -d -o lab .cache/silhouettes"},
+             "folder /srv/kept cannot be written (Permission denied)",
+             "sudo install -d -o lab /srv/kept"},
             {"DiskFull",
              "disk_full",
              [](FakeHost& host, Options& options) {

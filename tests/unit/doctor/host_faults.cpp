@@ -95,10 +95,11 @@ std::vector<Fault> part_faults() {
              [](FakeHost& host, Options& options) {
                  options.file = host.write_hosts();
                  options.host = "hull";
+                 FakeHost::name_cache(options.file, "/srv/kept");
                  host.disk_mb_per_s = make_error(ErrorKind::kUnavailable, "Permission denied");
              },
              "cannot keep silhouettes",
-             "sudo install -d -o lab .cache/silhouettes"}};
+             "sudo install -d -o lab /srv/kept"}};
 }
 
 std::vector<Fault> size_faults() {

@@ -11,10 +11,8 @@ namespace {
 
 constexpr int kJumboMtu = 8000;  // less than this is small
 constexpr int kWantedMtu = 9000;
-constexpr double kFilling = 0.9;         // of a link, with the heads of the packets
-constexpr std::uint64_t kRealtime = 10;  // capture.cameras.realtime_priority
-constexpr std::uint64_t kUsbMemory_mb = 200;
-constexpr int kUsb3_mbit = 5000;
+constexpr double kFilling = 0.9;                  // of a link, with the heads of the packets
+constexpr std::uint64_t kRealtime = 10;           // capture.cameras.realtime_priority
 constexpr std::uint32_t kLinkLocal = 0xA9FE0000;  // 169.254.0.0/16
 
 bool is_link_local(std::uint32_t address) { return (address & 0xFFFF0000U) == kLinkLocal; }
@@ -201,7 +199,7 @@ void check_reverse_path(const Facts& facts, Findings& findings) {
 // Which program takes the pictures, the file says. Without one, each may: one with the right is
 // enough.
 void check_packet_sockets(const Facts& facts, Findings& findings) {
-    if (!has_gige(facts) || facts.user.has_net_raw) return;
+    if (!has_gige(facts) || facts.user.has_net_raw || facts.packages.runs_file) return;
     const Wishes& wishes = facts.wishes;
     std::string names;
     std::string files;
@@ -226,7 +224,8 @@ void check_packet_sockets(const Facts& facts, Findings& findings) {
 
 void check_rights(const Facts& facts, Findings& findings) {
     check_packet_sockets(facts, findings);
-    if (!facts.realtime_limit || *facts.realtime_limit >= kRealtime || facts.user.has_sys_nice)
+    if (!facts.realtime_limit || *facts.realtime_limit >= kRealtime || facts.user.has_sys_nice ||
+        facts.packages.runs_file)
         return;
     findings.push_back(make_finding(
         "no_realtime",
@@ -237,47 +236,6 @@ void check_rights(const Facts& facts, Findings& findings) {
                     kRealtime),
         write_line(fmt::format("{} - rtprio {}", facts.user.name, 2 * kRealtime),
                    "/etc/security/limits.d/60-atrium.conf")));
-}
-
-void check_usb(const Facts& facts, Findings& findings) {
-    for (const UsbCamera& camera : facts.cameras.usb) {
-        if (!camera.is_permitted) {
-            const std::string rule = fmt::format(
-                "SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{}\", MODE=\"0660\", "
-                "GROUP=\"plugdev\"",
-                camera.vendor);
-            findings.push_back(make_finding(
-                "usb_camera_not_permitted",
-                fmt::format("{} may not open the USB3 Vision camera {}. Log in again afterwards.",
-                            facts.user.name,
-                            camera.node),
-                write_line(rule, "/etc/udev/rules.d/60-atrium-cameras.rules") +
-                    fmt::format(" && sudo udevadm control --reload && sudo udevadm trigger && "
-                                "sudo usermod -aG plugdev {}",
-                                shell_word(facts.user.name))));
-        }
-        if (camera.speed_mbit > 0 && camera.speed_mbit < kUsb3_mbit) {
-            findings.push_back(make_finding(
-                "usb_link_slow",
-                fmt::format(
-                    "The USB3 Vision camera {} runs at {} Mbit/s; USB 3 has {}: use a USB 3 "
-                    "port (blue) and cable.",
-                    camera.node,
-                    camera.speed_mbit,
-                    kUsb3_mbit),
-                "lsusb -t"));
-        }
-    }
-    const auto& memory = facts.cameras.usb_memory_mb;
-    // 0: no limit
-    if (facts.cameras.usb.empty() || !memory || *memory == 0 || *memory >= kUsbMemory_mb) return;
-    constexpr const char* kFile = "/sys/module/usbcore/parameters/usbfs_memory_mb";
-    findings.push_back(make_finding(
-        "usb_memory_small",
-        fmt::format("All USB cameras share {} MB of buffers; wanted are 1000: pictures are lost.",
-                    *memory),
-        write_line("1000", kFile),
-        write_line(fmt::format("w {} - - - - 1000", kFile), "/etc/tmpfiles.d/atrium-usb.conf")));
 }
 
 }  // namespace
@@ -332,7 +290,7 @@ Findings check_cameras(const Facts& facts) {
     check_bandwidth(facts, findings);
     check_reverse_path(facts, findings);
     check_rights(facts, findings);
-    check_usb(facts, findings);
+    for (Finding& finding : check_usb_cameras(facts)) findings.push_back(std::move(finding));
     return findings;
 }
 

@@ -16,6 +16,7 @@ Findings check_site_file(const Facts& facts);
 Findings check_network(const Facts& facts);
 Findings check_firewall(const Facts& facts);
 Findings check_cameras(const Facts& facts);
+Findings check_usb_cameras(const Facts& facts);  // part of check_cameras
 Findings check_clock(const Facts& facts);
 Findings check_graphics(const Facts& facts);
 Findings check_load(const Facts& facts);

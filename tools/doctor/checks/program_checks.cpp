@@ -146,7 +146,8 @@ void check_cores(const Facts& facts, Findings& findings) {
 void check_nice(const Facts& facts, Findings& findings) {
     const int wanted = facts.wishes.nice;
     constexpr int kLevels = 20;
-    if (wanted >= 0 || !facts.nice_limit || facts.user.has_sys_nice) return;
+    if (wanted >= 0 || !facts.nice_limit || facts.user.has_sys_nice || facts.packages.runs_file)
+        return;
     if (*facts.nice_limit >= static_cast<std::uint64_t>(kLevels - wanted)) return;
     findings.push_back(make_finding(
         "nice_not_permitted",

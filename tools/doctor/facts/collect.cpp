@@ -1,6 +1,7 @@
 #include "tools/doctor/facts/collect.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace atrium::doctor {
 namespace {
@@ -38,6 +39,38 @@ Roles fitting_roles(const System& system, const std::vector<Program>& programs) 
     return roles;
 }
 
+std::optional<unsigned> group_named(const System& system, const std::string& name) {
+    for (const std::string& line : lines_of(system.read("/etc/group").value_or(""))) {
+        if (line.rfind(name + ":", 0) != 0) continue;
+        const std::size_t begin = line.find(':', name.size() + 1) + 1;
+        const auto id = parse_number(line.substr(begin, line.find(':', begin) - begin));
+        if (begin > 0 && id && *id <= std::numeric_limits<unsigned>::max())
+            return static_cast<unsigned>(*id);
+    }
+    return std::nullopt;
+}
+
+bool is_below(const std::filesystem::path& path, const std::filesystem::path& folder) {
+    std::error_code error;
+    const auto whole = std::filesystem::weakly_canonical(path, error);
+    const auto above = std::filesystem::weakly_canonical(folder, error);
+    return std::mismatch(above.begin(), above.end(), whole.begin(), whole.end()).first ==
+           above.end();
+}
+
+PackageFacts collect_packages(const System& system, const Request& request, const Roles& roles) {
+    PackageFacts facts;
+    facts.has_programs =
+        !request.programs.empty() && is_below(request.programs, system.at("/usr/lib/atrium/bin"));
+    const std::string unit = roles.site ? "atrium-site@.service" : "atrium-world.service";
+    const auto& file = request.wishes.file;
+    facts.runs_file = !file.empty() && (roles.site || roles.world) &&
+                      is_below(file, system.at("/etc/atrium")) &&
+                      system.exists("/lib/systemd/system/" + unit);
+    facts.group = group_named(system, "atrium");
+    return facts;
+}
+
 // The folder itself, or its nearest parent that exists.
 std::filesystem::path existing_part(std::filesystem::path folder) {
     std::error_code error;
@@ -56,6 +89,7 @@ Facts collect(const System& system, const Request& request) {
     facts.wishes = request.wishes;
     facts.programs = collect_programs(system, request.programs);
     facts.roles = request.roles ? *request.roles : fitting_roles(system, facts.programs);
+    facts.packages = collect_packages(system, request, facts.roles);
     facts.load = collect_load(system);  // before other programs are started
     facts.network = collect_network(system, request.wishes);
     facts.clock = collect_clock(system);
@@ -63,7 +97,12 @@ Facts collect(const System& system, const Request& request) {
     facts.nice_limit = limit_of(system, "Max nice priority");
     const bool may_have_cameras = facts.roles.site && request.wishes.file.empty();
     if (facts.roles.camera || may_have_cameras) {
-        facts.cameras = collect_cameras(system, facts.programs);
+        std::optional<User> service;
+        if (facts.packages.runs_file && facts.packages.group) {
+            service = User{.name = "atrium", .groups = {*facts.packages.group}};
+            service->id = std::numeric_limits<unsigned>::max();
+        }
+        facts.cameras = collect_cameras(system, facts.programs, service);
         const bool has_cameras =
             !facts.cameras.usb.empty() || (facts.cameras.found && !facts.cameras.found->empty());
         if (!request.roles) facts.roles.camera |= has_cameras;
@@ -71,7 +110,8 @@ Facts collect(const System& system, const Request& request) {
     if (facts.roles.viewer) facts.graphics = collect_graphics(system, request.programs);
     if (!request.recordings.empty())
         facts.recordings = collect_folder(system, request.recordings, kTestBytes);
-    if (!request.wishes.cache.empty()) {
+    // the service writes as its own user, into a folder that systemd makes
+    if (!request.wishes.cache.empty() && !facts.packages.runs_file) {
         facts.cache = collect_folder(system, existing_part(request.wishes.cache), kCacheTestBytes);
     }
     if (!request.keys.empty()) {

@@ -33,7 +33,10 @@ Facts collect(const System& system, const Request& request);
 
 // The parts.
 NetworkFacts collect_network(const System& system, const Wishes& wishes);
-CameraFacts collect_cameras(const System& system, const std::vector<Program>& programs);
+/// `opens`: who takes the pictures; nullopt: the user of the system.
+CameraFacts collect_cameras(const System& system,
+                            const std::vector<Program>& programs,
+                            const std::optional<User>& opens);
 std::vector<Program> collect_programs(const System& system, const std::filesystem::path& folder);
 ClockFacts collect_clock(const System& system);
 GraphicsFacts collect_graphics(const System& system, const std::filesystem::path& programs);

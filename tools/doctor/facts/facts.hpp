@@ -67,7 +67,6 @@ struct FoundCamera {
 
 struct UsbCamera {
     std::string node;    // /dev/bus/usb/002/003
-    std::string vendor;  // four hexadecimal digits
     int speed_mbit = 0;  // 480: USB 2
     bool is_permitted = true;
 };
@@ -76,6 +75,7 @@ struct CameraFacts {
     std::optional<std::vector<FoundCamera>> found;  // that answer
     std::vector<UsbCamera> usb;
     std::optional<std::uint64_t> usb_memory_mb;
+    bool has_usb_rule = false;  // that of Atrium's packages
 };
 
 struct Program {
@@ -190,7 +190,8 @@ struct Wishes {
     std::filesystem::path rig;
     std::filesystem::path recording;
     bool is_recording_there = true;
-    std::filesystem::path cache;  // kept silhouettes; empty: none
+    // Kept silhouettes, where the file names a folder. Else the folder of the site's start counts.
+    std::filesystem::path cache;
     double rate_hz = 0.0;
     int nice = 0;                     // process.nice
     std::vector<SiteCamera> cameras;  // of a site on several hosts: those of this host
@@ -201,6 +202,13 @@ struct Wishes {
         std::string host;  // its --host; empty: without
     };
     std::vector<Reader> readers;
+};
+
+/// What Atrium's Debian packages set up on this host.
+struct PackageFacts {
+    bool has_programs = false;      // the examined programs are theirs
+    bool runs_file = false;         // a service reads the file, as its own user with its own rights
+    std::optional<unsigned> group;  // of the services' user
 };
 
 struct Roles {
@@ -214,6 +222,7 @@ struct Facts {
     Roles roles;
     User user;
     Wishes wishes;
+    PackageFacts packages;
     std::vector<Program> programs;
     NetworkFacts network;
     CameraFacts cameras;

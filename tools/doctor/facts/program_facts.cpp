@@ -50,7 +50,7 @@ Program examine_program(const System& system, const std::filesystem::path& path)
     return program;
 }
 
-std::vector<UsbCamera> usb_cameras(const System& system) {
+std::vector<UsbCamera> usb_cameras(const System& system, const std::optional<User>& opens) {
     std::vector<UsbCamera> cameras;
     const std::string devices = "/sys/bus/usb/devices/";
     std::string last;
@@ -73,10 +73,11 @@ std::vector<UsbCamera> usb_cameras(const System& system) {
             return std::to_string(1000 + value).substr(1);
         };
         camera.node = "/dev/bus/usb/" + three_digits(*bus) + "/" + three_digits(*number);
-        camera.vendor = system.read_word(device + "/idVendor").value_or("");
         camera.speed_mbit = static_cast<int>(
             std::min<std::uint64_t>(1'000'000, system.read_number(device + "/speed").value_or(0)));
-        camera.is_permitted = system.may_open(camera.node);
+        const auto status = system.status_of(camera.node);
+        camera.is_permitted =
+            opens ? !status || may_use(*status, *opens) : system.may_open(camera.node);
         cameras.push_back(std::move(camera));
     }
     return cameras;
@@ -118,9 +119,12 @@ std::vector<FoundCamera> parse_camera_table(const std::string& table) {
     return cameras;
 }
 
-CameraFacts collect_cameras(const System& system, const std::vector<Program>& programs) {
+CameraFacts collect_cameras(const System& system,
+                            const std::vector<Program>& programs,
+                            const std::optional<User>& opens) {
     CameraFacts facts;
-    facts.usb = usb_cameras(system);
+    facts.usb = usb_cameras(system, opens);
+    facts.has_usb_rule = system.exists("/lib/udev/rules.d/60-atrium-cameras.rules");
     facts.usb_memory_mb = system.read_number("/sys/module/usbcore/parameters/usbfs_memory_mb");
     constexpr int kNoneAnswers = 3;
     for (const Program& program : programs) {

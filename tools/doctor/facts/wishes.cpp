@@ -119,7 +119,6 @@ void read_rig(Wishes& wishes) {
 
 void read_capture(config::TableReader& file, Wishes& wishes) {
     wishes.source = "simulated";
-    wishes.cache = ".cache/silhouettes";
     file.read("site.kept_silhouettes", wishes.cache);
     config::TableReader capture = file.table("capture");
     capture.read("source", wishes.source, {"simulated", "recording", "cameras"});

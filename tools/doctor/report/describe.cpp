@@ -133,6 +133,9 @@ std::vector<Checked> describe(const Facts& facts) {
         {"firewall", describe_firewall(network)},
         {"cameras", describe_cameras(facts)},
         {"USB cameras", fmt::format("{}", facts.cameras.usb.size())},
+        {"rights",
+         facts.packages.runs_file ? "those of the service that runs the file, not of this user"
+                                  : "those of this user"},
         {"real-time priority",
          facts.realtime_limit ? fmt::format("up to {}", *facts.realtime_limit) : kUnknown},
         {"clock", describe_clock(facts.clock)},
