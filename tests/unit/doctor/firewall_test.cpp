@@ -45,6 +45,71 @@ TEST(Firewall, FollowsJumps) {
     EXPECT_TRUE(is_dropped(chains + "-A INPUT -j lab\n-A lab -p tcp -j ACCEPT\n"));
 }
 
+// As iptables-save prints the rules of ufw 0.36.2 of Debian 12, without those for forwarding.
+constexpr const char* kUfw = R"(:INPUT DROP [0:0]
+:ufw-after-input - [0:0]
+:ufw-after-logging-input - [0:0]
+:ufw-before-input - [0:0]
+:ufw-before-logging-input - [0:0]
+:ufw-logging-allow - [0:0]
+:ufw-logging-deny - [0:0]
+:ufw-not-local - [0:0]
+:ufw-reject-input - [0:0]
+:ufw-skip-to-policy-input - [0:0]
+:ufw-track-input - [0:0]
+:ufw-user-input - [0:0]
+-A INPUT -j ufw-before-logging-input
+-A INPUT -j ufw-before-input
+-A INPUT -j ufw-after-input
+-A INPUT -j ufw-after-logging-input
+-A INPUT -j ufw-reject-input
+-A INPUT -j ufw-track-input
+-A ufw-after-input -p udp -m udp --dport 137 -j ufw-skip-to-policy-input
+-A ufw-after-input -p tcp -m tcp --dport 445 -j ufw-skip-to-policy-input
+-A ufw-after-input -m addrtype --dst-type BROADCAST -j ufw-skip-to-policy-input
+-A ufw-after-logging-input -m limit --limit 3/min --limit-burst 10 -j LOG --log-prefix "[UFW BLOCK] "
+-A ufw-before-input -i lo -j ACCEPT
+-A ufw-before-input -m conntrack --ctstate RELATED,ESTABLISHED -j ACCEPT
+-A ufw-before-input -m conntrack --ctstate INVALID -j ufw-logging-deny
+-A ufw-before-input -m conntrack --ctstate INVALID -j DROP
+-A ufw-before-input -p icmp -m icmp --icmp-type 8 -j ACCEPT
+-A ufw-before-input -p udp -m udp --sport 67 --dport 68 -j ACCEPT
+-A ufw-before-input -j ufw-not-local
+-A ufw-before-input -d 224.0.0.251/32 -p udp -m udp --dport 5353 -j ACCEPT
+-A ufw-before-input -d 239.255.255.250/32 -p udp -m udp --dport 1900 -j ACCEPT
+-A ufw-before-input -j ufw-user-input
+-A ufw-logging-deny -m conntrack --ctstate INVALID -m limit --limit 3/min --limit-burst 10 -j RETURN
+-A ufw-logging-deny -m limit --limit 3/min --limit-burst 10 -j LOG --log-prefix "[UFW BLOCK] "
+-A ufw-not-local -m addrtype --dst-type LOCAL -j RETURN
+-A ufw-not-local -m addrtype --dst-type MULTICAST -j RETURN
+-A ufw-not-local -m addrtype --dst-type BROADCAST -j RETURN
+-A ufw-not-local -m limit --limit 3/min --limit-burst 10 -j ufw-logging-deny
+-A ufw-not-local -j DROP
+-A ufw-skip-to-policy-input -j DROP
+-A ufw-user-input -p tcp -m tcp --dport 22 -j ACCEPT
+)";
+
+TEST(Firewall, ReadsTheRulesOfUfw) {
+    const Datagram data{.to = 0, .from_port = 40'000, .to_port = 7410, .card = "eth0"};
+    for (const Datagram& datagram : {kDds, data}) {
+        EXPECT_TRUE(is_dropped(kUfw, datagram));
+        EXPECT_FALSE(is_dropped(std::string(kUfw) +
+                                    "-A ufw-user-input -p udp -m multiport --dports 7400:7649 -j "
+                                    "ACCEPT\n",
+                                datagram));
+    }
+    EXPECT_FALSE(is_dropped(kUfw, {.to = 0xE00000FB, .to_port = 5353, .card = "eth0"}));
+}
+
+TEST(Firewall, ReturnsInDoubt) {
+    const std::string odd = "-A lab -m recent --rcheck -j RETURN\n";
+    const std::string chains = ":INPUT ACCEPT [0:0]\n:lab - [0:0]\n-A INPUT -j lab\n" + odd;
+    EXPECT_FALSE(is_dropped(chains + "-A lab -j DROP\n"));
+    EXPECT_TRUE(is_dropped(chains + "-A lab -j DROP\n-A INPUT -j DROP\n"));
+    EXPECT_FALSE(is_dropped(chains + "-A lab -j ACCEPT\n-A INPUT -j DROP\n"));
+    EXPECT_FALSE(is_dropped(chains + "-A INPUT -p udp -j ACCEPT\n-A INPUT -j DROP\n"));
+}
+
 TEST(Firewall, EndsJumpsInCircles) {
     std::string rules = ":INPUT ACCEPT [0:0]\n:a - [0:0]\n";
     for (int i = 0; i < 50; ++i) rules += "-A INPUT -j a\n-A a -j INPUT\n-A a -j a\n";

@@ -11,17 +11,18 @@ const std::string kEth1 = "/sys/class/net/eth1/";
 // The rules that `nft -j list ruleset` printed for one input chain, with these rules in it.
 std::string nft_with(const std::string& table,
                      const std::string& policy,
-                     const std::vector<std::string>& expressions) {
-    std::string json =
-        "{\"nftables\": [{\"metainfo\": {\"version\": \"1.0.6\"}}, {\"chain\": "
-        "{\"family\": \"inet\", \"table\": \"" +
-        table +
-        "\", \"name\": \"input\", \"handle\": 1, \"type\": \"filter\", \"hook\": "
-        "\"input\", \"prio\": 0, \"policy\": \"" +
-        policy + "\"}}";
+                     const std::vector<std::string>& expressions,
+                     const std::string& family = "inet",
+                     const std::string& chain = "input") {
+    const std::string place = R"({"family": ")" + family + R"(", "table": ")" + table;
+    std::string json = R"({"nftables": [{"metainfo": {"version": "1.0.6"}}, {"chain": )" + place +
+                       R"(", "name": ")" + chain +
+                       R"(", "handle": 1, "type": "filter", "hook": "input", "prio": 0, )"
+                       R"("policy": ")" +
+                       policy + "\"}}";
     for (const std::string& expression : expressions) {
-        json += ", {\"rule\": {\"family\": \"inet\", \"table\": \"" + table +
-                "\", \"chain\": \"input\", \"handle\": 5, \"expr\": [" + expression + "]}}";
+        json += R"(, {"rule": )" + place + R"(", "chain": ")" + chain +
+                R"(", "handle": 5, "expr": [)" + expression + "]}}";
     }
     return json + "]}\n";
 }
@@ -228,7 +229,17 @@ std::vector<Fault> firewall_faults() {
              },
              "nftables, chain inet filter input) drops UDP to port 7400",
              "sudo nft insert rule inet filter input udp dport 7400-7649 accept",
-             "sudo nft list ruleset | sudo tee /etc/nftables.conf"},
+             "echo 'insert rule inet filter input udp dport 7400-7649 accept' | sudo tee -a "
+             "/etc/nftables.conf && sudo nft -c -f /etc/nftables.conf && sudo systemctl enable "
+             "nftables"},
+            {"NftDropsDdsInTheTableOfIptables",
+             "firewall_drops_dds",
+             [](FakeHost& host, Options&) {
+                 set_nft(host, nft_with("filter", "accept", {kDropDds}, "ip", "INPUT"));
+             },
+             "nftables, chain ip filter INPUT) drops UDP to port 7400",
+             "sudo iptables -I INPUT -p udp --dport 7400:7649 -j ACCEPT",
+             "netfilter-persistent save"},
             {"NftPolicyDrops",
              "firewall_drops_dds",
              [](FakeHost& host, Options&) {
@@ -260,6 +271,35 @@ std::vector<Fault> firewall_faults() {
              },
              "drops UDP to port 7400",
              "sudo firewall-cmd --permanent --add-port=7400-7649/udp"},
+            {"FirewalldDropsCameras",
+             "firewall_drops_cameras",
+             [](FakeHost& host, Options&) {
+                 set_nft(host, nft_with("firewalld", "accept", {kDropCameras}));
+             },
+             "cameras do not arrive.",
+             "sudo firewall-cmd --permanent --add-rich-rule='rule family=\"ipv4\" source "
+             "address=\"192.168.1.0/24\" protocol value=\"udp\" accept' && sudo firewall-cmd "
+             "--reload"},
+            {"FirewalldDropsCamerasAtNoCard",
+             "firewall_drops_cameras",
+             [](FakeHost& host, Options& options) {
+                 options.network = "loopback";
+                 for (const std::string& card : {kEth0, kEth1}) host.remove(card);
+                 host.addresses.resize(1);
+                 set_nft(host, nft_with("firewalld", "accept", {kDropCameras}));
+             },
+             "do not arrive. The command lets UDP of other hosts in, too.",
+             "--add-rich-rule='rule protocol value=\"udp\" accept'"},
+            {"NftDropsCamerasAtTheOnlyCard",
+             "firewall_drops_cameras",
+             [](FakeHost& host, Options&) {
+                 host.set_cameras({{"10.0.0.11", "101"}});
+                 host.write(kEth0 + "mtu", "9000");
+                 set_nft(host, nft_with("filter", "accept", {kDropCameras}));
+             },
+             "do not arrive. The command lets UDP of other hosts in, too.",
+             "sudo nft insert rule inet filter input iifname eth0 meta l4proto udp accept",
+             "/etc/nftables.conf"},
             {"IptablesDropsDds",
              "firewall_drops_dds",
              [](FakeHost& host, Options&) {

@@ -26,6 +26,9 @@ Findings check_keys(const Facts& facts);
 /// All checks: first the findings that stop Atrium, then those that cost, then the notes.
 Findings check_all(const Facts& facts);
 
+/// The bits of an address that are those of its network.
+std::uint32_t mask_of(int prefix);
+bool is_in(const CardAddress& network, std::uint32_t address);
 /// The card by which packets to and from this address go; nullptr if no card is in its network.
 const Card* card_towards(const NetworkFacts& network, const std::string& address);
 /// The cards with GigE Vision cameras that answered, each once.

@@ -1,5 +1,6 @@
 #include "tools/doctor/checks/checks.hpp"
 #include "tools/doctor/checks/firewall_rules.hpp"
+#include "tools/doctor/facts/collect.hpp"
 
 #include <fmt/format.h>
 
@@ -11,6 +12,8 @@ constexpr std::uint32_t kFirstPort = 7400;
 constexpr std::uint32_t kPortsPerDomain = 250;
 constexpr std::uint32_t kCameraPort = 3956;
 constexpr std::uint32_t kOwnPort = 45'678;  // the kernel gives programs a port above 32767
+
+constexpr const char* kNftFile = "/etc/nftables.conf";
 
 struct Opening {
     std::string nft;  // conditions of a rule
@@ -34,21 +37,31 @@ Finding found_drop(const Facts& facts,
                                         "sudo firewall-cmd --reload",
                                         opening.firewalld));
     }
-    if (chain.family.empty()) {
+    // the table that iptables-nft makes is for iptables only
+    const bool is_of_iptables =
+        chain.family.empty() ||
+        (chain.family == "ip" && chain.table == "filter" && chain.name == "INPUT");
+    if (is_of_iptables) {
         return make_finding(
             id,
             text,
             fmt::format("sudo iptables -I INPUT {} -j ACCEPT", opening.iptables),
             "sudo apt install iptables-persistent && sudo netfilter-persistent save");
     }
+    const std::string rule = fmt::format("insert rule {} {} {} {} accept",
+                                         chain.family,
+                                         shell_word(chain.table),
+                                         shell_word(chain.name),
+                                         opening.nft);
+    // after the tables of the file, if it has this one
     return make_finding(id,
                         text,
-                        fmt::format("sudo nft insert rule {} {} {} {} accept",
-                                    chain.family,
-                                    shell_word(chain.table),
-                                    shell_word(chain.name),
-                                    opening.nft),
-                        "sudo nft list ruleset | sudo tee /etc/nftables.conf");
+                        "sudo nft " + rule,
+                        fmt::format("echo {} | sudo tee -a {} && sudo nft -c -f {} && "
+                                    "sudo systemctl enable nftables",
+                                    shell_word(rule),
+                                    kNftFile,
+                                    kNftFile));
 }
 
 std::string place_of(const Chain& chain) {
@@ -87,6 +100,25 @@ void check_dds_ports(const Facts& facts, const RuleSet& rules, Findings& finding
     }
 }
 
+// Cameras send pictures from any port. "": unknown.
+std::string network_of_cameras(const Facts& facts, const Card& card) {
+    const CardAddress* own = card.addresses.empty() ? nullptr : &card.addresses.front();
+    for (const FoundCamera& camera : facts.cameras.found.value_or(std::vector<FoundCamera>{})) {
+        const auto address = parse_address(camera.address);
+        for (const CardAddress& one : card.addresses) {
+            if (address && is_in(one, *address)) own = &one;
+        }
+    }
+    if (own == nullptr) return "";
+    return fmt::format("{}/{}", address_text(own->address & mask_of(own->prefix)), own->prefix);
+}
+
+std::string rule_of_firewalld(const std::string& network) {
+    const std::string from =
+        network.empty() ? "" : fmt::format("family=\"ipv4\" source address=\"{}\" ", network);
+    return fmt::format("rule {}protocol value=\"udp\" accept", from);
+}
+
 void check_camera_port(const Facts& facts, const RuleSet& rules, Findings& findings) {
     const std::vector<const Card*> cards = camera_cards(facts);
     const Card* at = cards.empty() ? likely_camera_card(facts) : cards.front();
@@ -95,20 +127,23 @@ void check_camera_port(const Facts& facts, const RuleSet& rules, Findings& findi
     const Chain* chain = dropped_by(rules, datagram);
     if (chain == nullptr) return;
     const std::string name = shell_word(card);
+    const std::string network = at == nullptr ? "" : network_of_cameras(facts, *at);
+    const bool opens_others = card.empty() || card == facts.network.card;
     findings.push_back(found_drop(
         facts,
         rules,
         *chain,
         "firewall_drops_cameras",
         fmt::format("The firewall ({}) drops UDP from port {}: answers and pictures of GigE Vision "
-                    "cameras do not arrive.",
+                    "cameras do not arrive.{}",
                     place_of(*chain),
-                    kCameraPort),
+                    kCameraPort,
+                    opens_others ? " The command lets UDP of other hosts in, too." : ""),
         {.nft =
              card.empty() ? "meta l4proto udp" : fmt::format("iifname {} meta l4proto udp", name),
          .iptables = card.empty() ? "-p udp" : fmt::format("-i {} -p udp", name),
          .ufw = card.empty() ? "proto udp from any" : fmt::format("in on {} proto udp", name),
-         .firewalld = fmt::format("--zone=trusted --add-interface={}", name)}));
+         .firewalld = "--add-rich-rule=" + shell_word(rule_of_firewalld(network))}));
 }
 
 }  // namespace

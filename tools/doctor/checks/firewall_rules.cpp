@@ -218,12 +218,13 @@ const Chain* find_chain(const RuleSet& rules, const Chain& from, const std::stri
     return nullptr;
 }
 
-// kNone: no rule decided. In doubt it accepts.
+// kNone: no rule decided, or the chain may have returned before it dropped. In doubt it accepts.
 Verdict walk(const RuleSet& rules,
              const Chain& chain,
              const Datagram& datagram,
              int depth,
              std::size_t& num_left) {
+    bool may_have_returned = false;
     for (const Rule& rule : chain.rules) {
         if (num_left == 0) return Verdict::kAccept;
         --num_left;
@@ -238,11 +239,10 @@ Verdict walk(const RuleSet& rules,
         }
         if (verdict == Verdict::kAccept) return verdict;
         if (held == Holds::kMaybe) {
-            // one that may return before a drop is in doubt
-            if (verdict == Verdict::kReturn) return Verdict::kAccept;
+            may_have_returned |= verdict == Verdict::kReturn;
             continue;
         }
-        return verdict == Verdict::kReturn ? Verdict::kNone : verdict;
+        return verdict == Verdict::kReturn || may_have_returned ? Verdict::kNone : verdict;
     }
     return Verdict::kNone;
 }

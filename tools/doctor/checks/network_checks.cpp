@@ -15,14 +15,6 @@ constexpr int kSlowMbit = 1000;                        // less than this is slow
 constexpr std::uint64_t kFewPackets = 100;
 constexpr double kLostShare = 1e-5;
 
-std::uint32_t mask_of(int prefix) {
-    return prefix <= 0 ? 0 : prefix >= 32 ? 0xFFFFFFFFU : 0xFFFFFFFFU << (32 - prefix);
-}
-
-bool is_in(const CardAddress& network, std::uint32_t address) {
-    return ((network.address ^ address) & mask_of(network.prefix)) == 0;
-}
-
 const Card* card_named(const NetworkFacts& network, const std::string& name) {
     for (const Card& card : network.cards) {
         if (card.name == name) return &card;
@@ -281,6 +273,14 @@ void check_subnets(const Facts& facts, Findings& findings) {
 }
 
 }  // namespace
+
+std::uint32_t mask_of(int prefix) {
+    return prefix <= 0 ? 0 : prefix >= 32 ? 0xFFFFFFFFU : 0xFFFFFFFFU << (32 - prefix);
+}
+
+bool is_in(const CardAddress& network, std::uint32_t address) {
+    return ((network.address ^ address) & mask_of(network.prefix)) == 0;
+}
 
 const Card* card_towards(const NetworkFacts& network, const std::string& address) {
     const auto wanted = parse_address(address);
