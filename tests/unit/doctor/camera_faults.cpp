@@ -11,6 +11,36 @@ std::vector<Fault> presence_faults() {
              },
              "No camera answers",
              "sudo ip address add 169.254.0.1/16 dev eth1"},
+            {"NoCameraAndTheCardIsDown",
+             "no_camera",
+             [](FakeHost& host, Options&) {
+                 host.outputs["site_node --list-cameras"] = {3, "no camera answers\n"};
+                 host.write("/sys/class/net/eth1/flags", "0x1002");
+             },
+             "No camera answers",
+             "sudo ip link set dev eth1 up && sudo ip address add 169.254.0.1/16 dev eth1 && /"},
+            {"NoCameraWithAnAddress",
+             "no_camera",
+             [](FakeHost& host, Options&) {
+                 host.outputs["site_node --list-cameras"] = {3, "no camera answers\n"};
+                 host.write("/sys/class/net/eth1/flags", "0x1002");
+                 host.addresses.push_back({"eth1", 0xA9FE0001, 16});
+             },
+             "No camera answers",
+             "sudo ip link set dev eth1 up && /"},
+            {"NoCameraBesideVirtualCards",
+             "no_camera",
+             [](FakeHost& host, Options&) {
+                 host.outputs["site_node --list-cameras"] = {3, "no camera answers\n"};
+                 host.remove("/sys/class/net/eth1");
+                 host.addresses.pop_back();
+                 host.write("/sys/class/net/docker0/flags", "0x1003");
+                 host.write("/sys/class/net/wlan0/flags", "0x1003");
+                 host.write("/sys/class/net/wlan0/device/vendor", "0x8086");
+                 host.write("/sys/class/net/wlan0/phy80211/index", "0");
+             },
+             "No camera answers",
+             "sudo ip address add 169.254.0.1/16 dev eth0 && /"},
             {"CameraMissing",
              "camera_missing",
              [](FakeHost& host, Options& options) {
@@ -25,6 +55,20 @@ std::vector<Fault> presence_faults() {
              "The MTU of eth1, which has cameras, is 1500; they want 9000",
              "sudo ip link set dev eth1 mtu 9000",
              "ATTR{mtu}=\"9000\""},
+            {"SmallMtuOfTheOnlyCard",
+             "mtu_small",
+             [](FakeHost& host, Options&) {
+                 host.set_cameras({{"10.0.0.11", "101"}});
+             },
+             "are lost sooner. All hosts and switches of its network need it, too.",
+             "sudo ip link set dev eth0 mtu 9000"},
+            {"MixedMtuWithTheCardOfHosts",
+             "mtu_mixed",
+             [](FakeHost& host, Options&) {
+                 host.set_cameras({{"10.0.0.11", "101"}, {"192.168.1.12", "102"}});
+             },
+             "want 9000. All hosts and switches of its network need it, too.",
+             "sudo ip link set dev eth0 mtu 9000"},
             {"MixedMtu",
              "mtu_mixed",
              [](FakeHost& host, Options&) {
@@ -49,7 +93,7 @@ std::vector<Fault> presence_faults() {
              },
              "rp_filter of eth1 is 1 (strict)",
              "sudo sysctl -w net/ipv4/conf/eth1/rp_filter=2",
-             "/etc/sysctl.d/60-atrium-rp_filter.conf"}};
+             "/etc/sysctl.d/99-zz-atrium-rp_filter.conf"}};
 }
 
 std::vector<Fault> rights_faults() {

@@ -12,6 +12,8 @@
 
 #include <array>
 #include <cstdio>
+#include <fstream>
+#include <map>
 #include <memory>
 #include <random>
 
@@ -230,6 +232,22 @@ TEST(Needs, AreThoseOfTheNetworkFiles) {
         ASSERT_TRUE(settings) << settings.error().message;
         EXPECT_EQ(settings->receive_buffer_bytes, kReceiveBufferBytes) << network;
     }
+}
+
+TEST(Needs, AreMetByTheSettingsOfThePackages) {
+    std::ifstream file(atrium::test::source_dir() + "/deploy/packages/90-atrium.conf");
+    std::map<std::string, std::uint64_t> settings;
+    for (std::string line; std::getline(file, line);) {
+        const std::vector<std::string> words = words_of(line);
+        if (words.size() == 3 && words[1] == "=")
+            settings[words[0]] = parse_number(words[2]).value_or(0);
+    }
+    EXPECT_EQ(settings,
+              (std::map<std::string, std::uint64_t>{
+                  {"net.core.rmem_max", kReceiveBufferBytes},
+                  {"net.core.wmem_max", kSendBufferBytes},
+                  {"net.ipv4.ipfrag_time", kFragmentTime_s},
+                  {"net.ipv4.ipfrag_high_thresh", kFragmentMemoryBytes}}));
 }
 
 TEST(Load, DoesNotCountAtriumItself) {

@@ -26,6 +26,7 @@ void write_card(const FakeHost& host, const std::string& name, const std::string
         host.write(folder + "statistics/" + counter, "3");
     host.write("/proc/sys/net/ipv4/conf/" + name + "/rp_filter", "0");
     if (name == "lo") return;
+    host.write(folder + "device/vendor", "0x8086");
     host.write(folder + "speed", "1000");
     host.write(folder + "duplex", "full");
 }

@@ -77,7 +77,7 @@ std::vector<Fault> setting_faults() {
                     "net.core.rmem_max is 208 KiB; Atrium asks for 16 MiB",
                     "sudo sysctl -w net.core.rmem_max=16777216",
                     "echo 'net.core.rmem_max = 16777216' | sudo tee "
-                    "/etc/sysctl.d/60-atrium-rmem_max.conf"),
+                    "/etc/sysctl.d/99-zz-atrium-rmem_max.conf"),
             setting("SendBuffer",
                     "send_buffer_small",
                     "/proc/sys/net/core/wmem_max",

@@ -74,18 +74,17 @@ void check_presence(const Facts& facts, Findings& findings) {
     const std::string list = list_command(facts);
     if (facts.cameras.found->empty()) {
         const Card* card = likely_camera_card(facts);
-        const std::string cure =
-            card == nullptr ? list
-            : has_link_local(*card)
-                ? fmt::format("sudo ip link set dev {} up && {}", shell_word(card->name), list)
-                : fmt::format("sudo ip address add 169.254.0.1/16 dev {} && {}",
-                              shell_word(card->name),
-                              list);
+        std::string cure;
+        if (card != nullptr && !card->is_up)
+            cure += fmt::format("sudo ip link set dev {} up && ", shell_word(card->name));
+        if (card != nullptr && !has_link_local(*card))
+            cure += fmt::format("sudo ip address add 169.254.0.1/16 dev {} && ",
+                                shell_word(card->name));
         findings.push_back(make_finding(
             "no_camera",
             "No camera answers: check its power and cable; a GigE Vision camera without a fixed "
             "address is in the network 169.254.0.0/16.",
-            cure));
+            cure + list));
         return;
     }
     for (const SiteCamera& wanted : facts.wishes.cameras) {
@@ -113,7 +112,12 @@ void check_mtu(const Facts& facts, Findings& findings) {
     const auto raise = [](const Card& card) {
         return fmt::format("sudo ip link set dev {} mtu {}", shell_word(card.name), kWantedMtu);
     };
-    const auto keep = [](const Card& card) {
+    const auto is_shared = [&](const Card& card) { return card.name == facts.network.card; };
+    const auto warning = [&](const Card& card) {
+        return is_shared(card) ? " All hosts and switches of its network need it, too." : "";
+    };
+    const auto keep = [&](const Card& card) {
+        if (is_shared(card)) return std::string();
         return write_line(fmt::format("ACTION==\"add\", SUBSYSTEM==\"net\", {}, ATTR{{mtu}}=\"{}\"",
                                       card.mac.empty() ? "KERNEL==\"" + card.name + "\""
                                                        : "ATTR{address}==\"" + card.mac + "\"",
@@ -132,13 +136,14 @@ void check_mtu(const Facts& facts, Findings& findings) {
         findings.push_back(make_finding(
             "mtu_mixed",
             fmt::format("The MTU of {} is {}, that of {} is {}: cameras at {} send many small "
-                        "packets; all cards with cameras want {}.",
+                        "packets; all cards with cameras want {}.{}",
                         smallest->name,
                         smallest->mtu,
                         largest->name,
                         largest->mtu,
                         smallest->name,
-                        kWantedMtu),
+                        kWantedMtu,
+                        warning(*smallest)),
             raise(*smallest),
             keep(*smallest)));
         return;
@@ -149,10 +154,11 @@ void check_mtu(const Facts& facts, Findings& findings) {
             "mtu_small",
             fmt::format(
                 "The MTU of {}, which has cameras, is {}; they want {} (jumbo frames, also in "
-                "the switch): small packets cost processor time and are lost sooner.",
+                "the switch): small packets cost processor time and are lost sooner.{}",
                 card->name,
                 card->mtu,
-                kWantedMtu),
+                kWantedMtu,
+                warning(*card)),
             raise(*card),
             keep(*card)));
     }
@@ -193,7 +199,7 @@ void check_reverse_path(const Facts& facts, Findings& findings) {
                     "where cameras are: the kernel drops their packets; 2 (loose) keeps them.",
                     card->name),
         set_sysctl(name, "2"),
-        write_line(name + " = 2", "/etc/sysctl.d/60-atrium-rp_filter.conf")));
+        keep_sysctl(name, "2")));
 }
 
 // Which program takes the pictures, the file says. Without one, each may: one with the right is
@@ -255,7 +261,7 @@ std::string same_rate_on_all(const Wishes& wishes) {
 const Card* likely_camera_card(const Facts& facts) {
     const Card* likely = nullptr;
     for (const Card& card : facts.network.cards) {
-        if (card.is_loopback) continue;
+        if (card.is_loopback || !card.is_wired) continue;
         if (likely == nullptr || likely->name == facts.network.card) likely = &card;
     }
     return likely;

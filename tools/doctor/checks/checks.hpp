@@ -34,8 +34,8 @@ const Card* card_towards(const NetworkFacts& network, const std::string& address
 /// The cards with GigE Vision cameras that answered, each once.
 std::vector<const Card*> camera_cards(const Facts& facts);
 
-/// The card that cameras are most likely at, not that of the default route if there is another;
-/// nullptr if there is none but loopback.
+/// The wired card that cameras are most likely at, not that of the default route if there is
+/// another; nullptr if there is none.
 const Card* likely_camera_card(const Facts& facts);
 
 /// The command line of the program that takes this host's pictures, with the site file.

@@ -127,9 +127,10 @@ std::string set_sysctl(const std::string& name, const std::string& value) {
 }
 
 std::string keep_sysctl(const std::string& name, const std::string& value) {
-    return write_line(
-        fmt::format("{} = {}", name, value),
-        fmt::format("/etc/sysctl.d/60-atrium-{}.conf", name.substr(name.find_last_of("./") + 1)));
+    return write_line(fmt::format("{} = {}", name, value),
+                      // after all others, also 99-sysctl.conf
+                      fmt::format("/etc/sysctl.d/99-zz-atrium-{}.conf",
+                                  name.substr(name.find_last_of("./") + 1)));
 }
 
 std::string size_text(std::uint64_t bytes) {

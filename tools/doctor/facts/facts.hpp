@@ -24,8 +24,9 @@ struct Card {
     bool is_up = false;
     bool is_loopback = false;
     bool has_multicast = false;
-    int mtu = 0;         // [bytes]; 0: unknown
-    int speed_mbit = 0;  // 0: unknown
+    bool is_wired = false;  // a device without radio: no bridge, tunnel or virtual card
+    int mtu = 0;            // [bytes]; 0: unknown
+    int speed_mbit = 0;     // 0: unknown
     bool is_half_duplex = false;
     std::uint64_t received = 0;  // packets since the start of the host
     std::uint64_t lost = 0;      // packets for which the card had no room

@@ -37,6 +37,8 @@ std::optional<Card> read_card(const System& system, const std::string& name) {
     card.is_up = (*flags & IFF_UP) != 0;
     card.is_loopback = (*flags & IFF_LOOPBACK) != 0;
     card.has_multicast = (*flags & IFF_MULTICAST) != 0;
+    card.is_wired = system.exists(folder + "device") && !system.exists(folder + "wireless") &&
+                    !system.exists(folder + "phy80211");
     card.mtu = small_number("mtu");
     card.speed_mbit = small_number("speed");  // "-1" without a link: no number
     card.is_half_duplex = system.read_word(folder + "duplex") == "half";
