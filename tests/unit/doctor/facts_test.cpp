@@ -186,27 +186,43 @@ bool list_user(const fs::path& file, std::uint32_t user) {
     return setxattr(file.c_str(), "system.posix_acl_access", &list, sizeof list, 0) == 0;
 }
 
+// Root opens all: it becomes another user while `look` runs.
+constexpr uid_t kOther = 65'534;
+template <typename Look>
+void without_root(const Look& look) {
+    const uid_t own = geteuid();
+    if (own == 0) {
+        ASSERT_EQ(seteuid(kOther), 0);
+    }
+    look();
+    ASSERT_EQ(seteuid(own), 0);
+}
+
 TEST(LiveSystem, KnowsListsOfAccess) {
     const FakeHost host(facts_folder("lists"));
     host.write("/listed", "", 0600);
     host.write("/closed", "", 0000);
     const LiveSystem system(host.at("/"));
-    // root opens all: it tries as another user, for whom the file is in a list
-    constexpr uid_t kOther = 65'534;
-    const bool is_root = geteuid() == 0;
-    const bool is_open = !is_root || list_user(host.at("/listed"), kOther);
-    if (is_root) {
-        ASSERT_EQ(seteuid(kOther), 0);
-    }
-    const bool is_reachable = system.exists("/listed");
-    const bool opens_listed = system.may_open("/listed");
-    const bool opens_closed = system.may_open("/closed");
-    if (is_root) {
-        ASSERT_EQ(seteuid(0), 0);
-    }
-    EXPECT_EQ(opens_listed, is_open && is_reachable);
-    EXPECT_FALSE(opens_closed);
-    EXPECT_TRUE(system.may_open("/missing"));
+    const bool is_open = geteuid() != 0 || list_user(host.at("/listed"), kOther);
+    without_root([&] {
+        EXPECT_EQ(system.may_open("/listed"), is_open && system.exists("/listed"));
+        EXPECT_FALSE(system.may_open("/closed"));
+        EXPECT_TRUE(system.may_open("/missing"));
+    });
+}
+
+TEST(Keys, AreThereThoughUnreadable) {
+    const FakeHost host(facts_folder("unreadable_keys"));
+    const fs::path folder = host.write_beside("keys/a.pem", "x").parent_path();
+    EXPECT_TRUE(collect_keys(host, folder).is_readable);
+    fs::permissions(folder, fs::perms::none);
+    without_root([&] {
+        const KeyFacts keys = collect_keys(host, folder);
+        EXPECT_TRUE(keys.is_there);
+        EXPECT_FALSE(keys.is_readable);
+        EXPECT_TRUE(collect_keys(host, folder / "inside").is_there) << "nobody knows";
+    });
+    fs::permissions(folder, fs::perms::owner_all);
 }
 
 TEST(CameraTable, IsReadAsItIsPrinted) {

@@ -96,6 +96,14 @@ std::string tracking(double offset_s,
         root_dispersion_s);
 }
 
+std::string ring_of(int now, int largest) {
+    const char* const part =
+        "{}:\nRX:\t\t{}\nRX Mini:\tn/a\nRX Jumbo:\tn/a\nTX:\t\t{}\nTX push buff len:\tn/a\n";
+    return "Ring parameters for eth1:\n" +
+           fmt::format(fmt::runtime(part), "Pre-set maximums", largest, largest) +
+           fmt::format(fmt::runtime(part), "Current hardware settings", now, now);
+}
+
 std::string camera_table_of(const std::vector<std::pair<std::string, std::string>>& cameras) {
     std::vector<capture::FoundCamera> found;
     for (const auto& [address, serial] : cameras)
@@ -124,6 +132,7 @@ FakeHost::FakeHost(const fs::path& folder)
     set_cameras({{"192.168.1.11", "101"}, {"192.168.1.12", "102"}});
     outputs["nft -j list ruleset"] = {0, "{\"nftables\": [{\"metainfo\": {}}]}\n"};
     outputs["iptables-save"] = {127, ""};
+    outputs["ethtool -g eth1"] = {0, ring_of(256, 2048)};
     addresses = {{"lo", 0x7F000001, 8}, {"eth0", 0x0A000002, 24}, {"eth1", 0xC0A80101, 24}};
     in_one_second = [](const FakeHost& host) {
         host.write("/proc/stat", processor_ticks(1010, 9790));

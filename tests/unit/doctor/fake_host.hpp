@@ -103,6 +103,9 @@ std::string tracking(double offset_s,
                      double rms_offset_s = 1e-5,
                      const std::string& source = "203.0.113.5");
 
+/// What `ethtool -g` prints of a receive ring.
+std::string ring_of(int now, int largest);
+
 /// The table of `site_node --list-cameras` with these addresses and serials.
 std::string camera_table_of(const std::vector<std::pair<std::string, std::string>>& cameras);
 

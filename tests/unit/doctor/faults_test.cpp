@@ -70,6 +70,9 @@ TEST(DoctorHealthy, IsSilent) {
 TEST(DoctorHealthy, IsSilentWithASiteFileKeysAndRecordings) {
     const FakeHost host(faults_folder("healthy_site"));
     host.write_beside("keys/ca.pem", "no certificate\n");
+    // as docs/packages.md
+    const auto key = host.write_beside("keys/key.pem", "-----BEGIN PRIVATE KEY-----\n");
+    std::filesystem::permissions(key, std::filesystem::perms{0640});
     const auto report = examine({.file = host.write_site(),
                                  .recordings = host.folder(),
                                  .keys = host.folder() / "keys",
@@ -148,6 +151,15 @@ TEST(DoctorHealthy, ListsWhatWasChecked) {
                                HasSubstr("16 MiB")));
 }
 
+TEST(DoctorHealthy, SaysThatKeysNeedRoot) {
+    Facts facts;
+    facts.keys.emplace();
+    facts.keys->folder = kKeys;
+    facts.keys->is_there = true;
+    facts.keys->is_readable = false;
+    EXPECT_EQ(describe(facts).back().value, "unknown: /etc/atrium/keys needs root");
+}
+
 TEST(DoctorText, WrapsSentencesButNoCommand) {
     FakeHost host(faults_folder("text"));
     host.write("/proc/sys/net/core/rmem_max", "212992");
@@ -185,8 +197,30 @@ TEST(DoctorText, LeavesSudoOutForRoot) {
     const auto report = examine({.programs = host.programs()}, host, {});
     EXPECT_THAT(report->text, HasSubstr("  sysctl -w net.core.rmem_max"));
     EXPECT_THAT(report->text, HasSubstr("| tee /etc"));
-    EXPECT_THAT(report->text, HasSubstr("  chmod 600 '/"));
+    EXPECT_THAT(report->text, HasSubstr("  chmod o-rwx,g-w '/"));
     EXPECT_THAT(report->text, HasSubstr("my sudo key.pem'"));
+}
+
+TEST(DoctorText, ShowsLettersOfAllLanguages) {
+    const auto shown = [](const std::string& name) {
+        const Finding finding = make_finding("keys_missing", "x", "chmod " + name);
+        return report_text(std::vector<Finding>{finding}, {}, {});
+    };
+    for (const std::string name : {"/home/jörg", "/home/Ελένη", "/home/山", "/home/😀"})
+        EXPECT_THAT(shown(name), HasSubstr("chmod " + name));
+    // controls, wrong UTF-8, and what turns the direction of text
+    for (const std::string wrong : {"\x1b",
+                                    "\x7f",
+                                    "\xc2\x9b",
+                                    "\xc1\xa1",
+                                    "\xe0\x80\xa1",
+                                    "\xed\xa0\x80",
+                                    "\xf4\x90\x80\x80",
+                                    "\xc3",
+                                    "\xe2\x80\xae"}) {
+        EXPECT_THAT(shown("a" + wrong + "b"), HasSubstr("chmod a?"));
+        EXPECT_EQ(shown("a" + wrong + "b").find(wrong), std::string::npos);
+    }
 }
 
 TEST(DoctorRoles, LimitTheChecks) {

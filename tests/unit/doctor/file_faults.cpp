@@ -65,6 +65,21 @@ std::vector<Fault> key_faults() {
              [](FakeHost& host, Options& options) { options.keys = host.folder() / "no_keys"; },
              "is not there",
              "sudo mkdir -m 700 -p "},
+            {"KeysMissingWithTheGroupOfServices",
+             "keys_missing",
+             [](FakeHost& host, Options& options) {
+                 host.install();
+                 options.keys = host.folder() / "no_keys";
+             },
+             "is not there",
+             "sudo install -d -m 0750 -o root -g atrium "},
+            {"PrivateKeyThatItsGroupMayWrite",
+             "private_key_readable",
+             [](FakeHost& host, Options&) {
+                 host.write("/etc/atrium/keys/site_key.pem", "-----BEGIN PRIVATE KEY-----\n", 0660);
+             },
+             "Other users may read or write the private key",
+             "sudo chmod o-rwx,g-w "},
             {"OpenPrivateKey",
              "private_key_readable",
              [](FakeHost& host, Options&) {
@@ -73,7 +88,7 @@ std::vector<Fault> key_faults() {
                             0644);
              },
              "Other users may read or write the private key",
-             "sudo chmod 600 "}};
+             "sudo chmod o-rwx,g-w "}};
 }
 
 std::vector<Fault> folder_faults() {
@@ -131,6 +146,25 @@ std::vector<Fault> program_faults() {
              },
              "The program world_server is missing in ",
              "deploy/build.sh build && sudo cp -r build/bin/. "},
+            {"ProgramMissingOfThePackages",
+             "program_missing",
+             [](FakeHost& host, Options& options) {
+                 host.install();
+                 std::filesystem::remove(host.programs() / "world_server");
+                 options.roles = Roles{.world = true};
+             },
+             "/usr/lib/atrium/bin. The command takes the files of make deb.",
+             "sudo apt install ./packages/atrium-common_*.deb ./packages/atrium-world_*.deb"},
+            {"VersionsMixedOfThePackages",
+             "versions_mixed",
+             [](FakeHost& host, Options&) {
+                 host.install();
+                 host.outputs["monitor --version"] = {0, "monitor 0.2.0 (Atrium)\n"};
+             },
+             "and 0.2.0 (monitor): they do not understand each other. The command takes",
+             "sudo apt install ./packages/atrium-common_*.deb ./packages/atrium-site_*.deb "
+             "./packages/atrium-tools_*.deb ./packages/atrium-viewer_*.deb "
+             "./packages/atrium-world_*.deb"},
             {"LibraryMissing",
              "library_missing",
              [](FakeHost& host, Options&) {
@@ -165,7 +199,15 @@ std::vector<Fault> program_faults() {
                  std::filesystem::remove(host.folder() / "rig.toml");
              },
              "rig.toml",
-             "atrium calibrate wand --config "},
+             "site.toml -o /"},
+            {"RigOfTheServiceMissing",
+             "rig_unusable",
+             [](FakeHost& host, Options& options) {
+                 options.file = host.install();
+                 host.remove("/etc/atrium/sites/rig.toml");
+             },
+             "rig.toml",
+             "sudo atrium calibrate wand --config /"},
             {"RecordingMissing",
              "recording_missing",
              [](FakeHost& host, Options& options) {

@@ -20,7 +20,15 @@ std::vector<Fault> part_faults() {
                  options.file = host.write_hosts();
                  options.host = "rihgt";
              },
-             "This host, 'rihgt', is none of the hosts of ",
+             "Name it by --host, also to its programs, or add a [[host]]",
+             "site.toml --host right"},
+            {"HostNotInFileWithAnotherNumber",
+             "host_not_in_file",
+             [](FakeHost& host, Options& options) {
+                 options.file = host.write_hosts();
+                 options.host = "right2";
+             },
+             "(replace HOST)",
              "site.toml --host HOST"},
             {"HostNotInFileWithItsDomain",
              "host_not_in_file",

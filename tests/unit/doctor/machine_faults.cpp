@@ -73,6 +73,15 @@ std::vector<Fault> clock_faults() {
              "two_time_daemons",
              [](FakeHost& host, Options&) { host.add_process(710, "systemd-timesyn"); },
              "chronyd and systemd-timesyn set the clock at the same time",
+             "sudo systemctl disable --now systemd-timesyncd"},
+            {"TwoTimeDaemonsWithoutChrony",
+             "two_time_daemons",
+             [](FakeHost& host, Options&) {
+                 stop_chronyd(host);
+                 host.add_process(711, "ntpd");
+                 host.add_process(712, "systemd-timesyn");
+             },
+             "ntpd and systemd-timesyn set the clock at the same time",
              "sudo systemctl disable --now systemd-timesyncd"}};
 }
 
@@ -85,14 +94,23 @@ std::vector<Fault> graphics_faults() {
              "no_gpu",
              [with_display](FakeHost& host, Options&) { with_display(host); },
              "no GPU (no /dev/dri/renderD*)",
-             "viewer --view.width 640"},
+             "/bin/viewer --view.width 640"},
+            {"NvidiaWithoutDriver",
+             "gpu_without_driver",
+             [with_display](FakeHost& host, Options&) {
+                 with_display(host);
+                 host.remove("/sys/bus/pci/devices/0000:01:00.0/driver");
+                 host.write("/sys/bus/pci/devices/0000:01:00.0/vendor", "0x10de");
+             },
+             "Debian has it in non-free, which /etc/apt/sources.list must name",
+             "sudo apt install nvidia-driver"},
             {"GpuWithoutDriver",
              "gpu_without_driver",
              [with_display](FakeHost& host, Options&) {
                  with_display(host);
                  host.remove("/sys/bus/pci/devices/0000:01:00.0/driver");
              },
-             "PCI vendor 0x1002",
+             "per second. Debian has it in non-free-firmware, which",
              "sudo apt install firmware-amd-graphics"},
             {"GpuClosed",
              "gpu_not_permitted",
@@ -165,14 +183,19 @@ std::vector<Fault> load_faults() {
         {"HotProcessor",
          "cpu_throttled",
          [](FakeHost& host, Options&) {
-             host.in_one_second = [](const FakeHost& later) {
-                 later.write(
-                     "/sys/devices/system/cpu/cpu0/thermal_throttle/"
-                     "package_throttle_count",
-                     "15");
+             // two packages, the first of two cores
+             const auto set = [](const FakeHost& now, int first, int second) {
+                 for (const int core : {0, 1, 2}) {
+                     const std::string cpu = "/sys/devices/system/cpu/cpu" + std::to_string(core);
+                     now.write(cpu + "/topology/physical_package_id", core < 2 ? "0" : "1");
+                     now.write(cpu + "/thermal_throttle/package_throttle_count",
+                               std::to_string(core < 2 ? first : second));
+                 }
              };
+             set(host, 12, 5);
+             host.in_one_second = [set](const FakeHost& later) { set(later, 15, 6); };
          },
-         "slowed down 3 times in one second",
+         "slowed down 4 times in one second",
          "thermal_zone"},
         {"ProcessorQuota",
          "cpu_quota",
@@ -198,7 +221,16 @@ std::vector<Fault> load_faults() {
                         "SwapTotal: 8000000 kB\nSwapFree: 4000000 kB\n");
          },
          "3.81 GiB of memory are swapped out",
-         "sudo swapoff -a && sudo swapon -a"},
+         "sudo swapoff -a; sudo swapon -a"},
+        {"MoreSwapUsedThanFreeMemory",
+         "swap_used",
+         [](FakeHost& host, Options&) {
+             host.write("/proc/meminfo",
+                        "MemTotal: 32000000 kB\nMemAvailable: 3000000 kB\n"
+                        "SwapTotal: 8000000 kB\nSwapFree: 4000000 kB\n");
+         },
+         "costs pictures. End the programs that the command lists.",
+         "ps -eo pid,rss,comm --sort=-rss"},
         {"TwoSites",
          "program_runs_twice",
          [](FakeHost& host, Options&) {

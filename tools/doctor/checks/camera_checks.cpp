@@ -50,19 +50,6 @@ std::string address_of_camera(const Facts& facts, const SiteCamera& camera) {
     return "";
 }
 
-std::string path_of(const Facts& facts, const std::string& name) {
-    for (const Program& program : facts.programs) {
-        if (program.name == name) return shell_word(program.path.string());
-    }
-    return name;
-}
-
-bool is_there(const Facts& facts, const std::string& name) {
-    return std::ranges::any_of(facts.programs, [&](const Program& program) {
-        return program.name == name && program.is_there;
-    });
-}
-
 // A host of a site on several hosts may have only one of the two.
 std::string list_command(const Facts& facts) {
     const bool has_only_cameras = !is_there(facts, "site_node") && is_there(facts, "camera_node");

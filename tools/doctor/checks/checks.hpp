@@ -38,6 +38,11 @@ std::vector<const Card*> camera_cards(const Facts& facts);
 /// another; nullptr if there is none.
 const Card* likely_camera_card(const Facts& facts);
 
+/// The path of a program, as a word for a shell; its name if programs were not examined.
+std::string path_of(const Facts& facts, const std::string& name);
+bool is_there(const Facts& facts, const std::string& name);
+/// The path of a program that is there and uses the network.
+std::string path_of_any(const Facts& facts);
 /// The command line of the program that takes this host's pictures, with the site file.
 std::string capture_program(const Facts& facts);
 /// What to add to a sentence whose cure is a lower rate; empty in a site of one process.

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 
 namespace atrium::doctor {
 namespace {
@@ -12,6 +14,8 @@ constexpr double kMaxError_ms = 50.0;        // of latencies between hosts
 constexpr double kMaxErrorOfHosts_ms = 2.0;  // of triggers, which fire by the clock
 // A healthy daemon may ask its time server after 2048 s again, and then the kernel says this much.
 constexpr double kKernelGrowth_ms = 0.5 * 2048;
+
+constexpr std::array kWorstFirst{"systemd-timesyn", "ntpd", "phc2sys", "chronyd"};
 
 struct ClockError {
     double ms = 0.0;
@@ -49,15 +53,15 @@ Findings check_clock(const Facts& facts) {
     const ClockFacts& clock = facts.clock;
     const bool is_alone = facts.wishes.network == "loopback";  // one host, one clock
     if (clock.daemons.size() > 1) {
-        // chrony keeps the best time
-        const bool keeps_chrony = has_daemon(clock, "chronyd");
-        const std::string spare =
-            keeps_chrony && clock.daemons[0] == "chronyd" ? clock.daemons[1] : clock.daemons[0];
+        // the one that keeps the worst time
+        const auto* const spare = std::ranges::find_if(
+            kWorstFirst, [&](const char* name) { return has_daemon(clock, name); });
+        assert(spare != kWorstFirst.end());
         findings.push_back(
             make_finding("two_time_daemons",
                          fmt::format("{} set the clock at the same time: it jumps; one must go.",
                                      fmt::join(clock.daemons, " and ")),
-                         fmt::format("sudo systemctl disable --now {}", service_of(spare))));
+                         fmt::format("sudo systemctl disable --now {}", service_of(*spare))));
     }
     if (!clock.is_synchronised || is_alone) return findings;
     const ClockError error = error_of(facts);

@@ -99,7 +99,10 @@ Findings check_keys(const Facts& facts) {
         findings.push_back(
             make_finding("keys_missing",
                          fmt::format("The folder of keys {} is not there.", keys.folder.string()),
-                         fmt::format("sudo mkdir -m 700 -p {}", shell_word(keys.folder.string()))));
+                         fmt::format("sudo {} {}",
+                                     facts.packages.group ? "install -d -m 0750 -o root -g atrium"
+                                                          : "mkdir -m 700 -p",
+                                     shell_word(keys.folder.string()))));
     }
     if (!keys.has_openssl) {
         findings.push_back(make_finding("openssl_missing",
@@ -143,7 +146,7 @@ Findings check_keys(const Facts& facts) {
         findings.push_back(make_finding(
             "private_key_readable",
             fmt::format("Other users may read or write the private key {}.", key.string()),
-            fmt::format("sudo chmod 600 {}", shell_word(key.string()))));
+            fmt::format("sudo chmod o-rwx,g-w {}", shell_word(key.string()))));
     }
     return findings;
 }

@@ -12,6 +12,10 @@ std::string driver_of(const std::string& vendor) {
     return "firmware-misc-nonfree";
 }
 
+std::string component_of(const std::string& vendor) {
+    return vendor == "0x10de" ? "non-free" : "non-free-firmware";
+}
+
 }  // namespace
 
 Findings check_graphics(const Facts& facts) {
@@ -25,8 +29,10 @@ Findings check_graphics(const Facts& facts) {
         if (!graphics.vendor_without_driver.empty()) {
             add("gpu_without_driver",
                 fmt::format("The GPU (PCI vendor {}) has no driver: the processor draws, a few "
-                            "pictures per second.",
-                            graphics.vendor_without_driver),
+                            "pictures per second. Debian has it in {}, which "
+                            "/etc/apt/sources.list must name.",
+                            graphics.vendor_without_driver,
+                            component_of(graphics.vendor_without_driver)),
                 fmt::format("sudo apt install {} && sudo reboot",
                             driver_of(graphics.vendor_without_driver)));
         } else {
@@ -34,7 +40,7 @@ Findings check_graphics(const Facts& facts) {
                 "This host shows no GPU (no /dev/dri/renderD*): the processor draws, a few "
                 "pictures "
                 "per second.",
-                "viewer --view.width 640 --view.height 360");
+                path_of(facts, "viewer") + " --view.width 640 --view.height 360");
         }
         return findings;
     }

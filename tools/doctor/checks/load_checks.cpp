@@ -13,6 +13,7 @@ constexpr double kBusyShare = 0.25;   // of all cores, by other programs
 constexpr double kCappedShare = 0.9;  // of the processor's highest frequency
 constexpr std::uint64_t kMinMemory = std::uint64_t{1} << 30U;
 constexpr double kSwapShare = 0.05;  // of the memory
+constexpr const char* kLargestPrograms = "ps -eo pid,rss,comm --sort=-rss | head";
 constexpr const char* kFrequency = "/sys/devices/system/cpu/cpu*/cpufreq/";
 
 // A command line that writes `value` to a file of each processor core; the shell expands the '*'.
@@ -76,15 +77,18 @@ void check_memory(const LoadFacts& load, Findings& findings) {
                         "the command lists.",
                         size_text(*load.memory_available),
                         size_text(kMinMemory)),
-            "ps -eo pid,rss,comm --sort=-rss | head"));
+            kLargestPrograms));
     }
+    const bool has_room = load.memory_available.value_or(0) > load.swap_used;
     if (load.memory_total && static_cast<double>(load.swap_used) >
                                  kSwapShare * static_cast<double>(*load.memory_total)) {
         findings.push_back(make_finding(
             "swap_used",
-            fmt::format("{} of memory are swapped out to disk; their next use costs pictures.",
-                        size_text(load.swap_used)),
-            "sudo swapoff -a && sudo swapon -a"));
+            fmt::format("{} of memory are swapped out to disk; their next use costs pictures.{}",
+                        size_text(load.swap_used),
+                        has_room ? "" : " End the programs that the command lists."),
+            has_room ? "sudo swapoff -a; sudo swapon -a"  // swap is on again in any case
+                     : kLargestPrograms));
     }
 }
 

@@ -97,7 +97,8 @@ void check_choice(const Facts& facts, Findings& findings) {
             fmt::format("No default route says which network card to use: Atrium takes {}, not {}.",
                         network.card,
                         others),
-            fmt::format("site_node --network lan --interface {}", shell_word(network.card))));
+            fmt::format(
+                "{} --network lan --interface {}", path_of_any(facts), shell_word(network.card))));
         return;
     }
     if (!facts.wishes.interface.empty()) {
@@ -130,7 +131,7 @@ void check_choice(const Facts& facts, Findings& findings) {
             ? "This host has no network card but loopback: other hosts are not reached."
             : fmt::format("No network card is up ({} is down): other hosts are not reached.", down),
         down.empty()
-            ? "site_node --network loopback"
+            ? path_of_any(facts) + " --network loopback"
             : fmt::format("sudo ip link set dev {0} up && sudo dhclient {0}", shell_word(down))));
 }
 
@@ -216,17 +217,26 @@ void check_link(const Facts& facts, const Card& card, const char* use, Findings&
         return fmt::format(
             "{} packets ({:.2g} %)", packets, 100.0 * static_cast<double>(packets) / all);
     };
+    const bool may_grow = card.ring && card.ring->now < card.ring->largest;
     if (is_much(card.lost)) {
         findings.push_back(make_finding(
             "card_loses_packets",
             fmt::format(
-                "{} ({}) lost {} since the start, because its receive ring was full; wanted "
+                "{} ({}) lost {} since the start, because its receive ring was full{}; wanted "
                 "are less than 0.001 %.",
                 card.name,
                 use,
-                share(card.lost)),
-            fmt::format("{} -G {} rx 4096", ethtool, name),
-            keep_by_udev(card, "RUN+=\"/usr/sbin/ethtool -G $name rx 4096\"")));
+                share(card.lost),
+                may_grow || !card.ring ? ""
+                                       : ", although it is the largest of the card: lower the rate "
+                                         "or share it over more cards"),
+            // without ethtool nobody knows how large it may be
+            may_grow ? fmt::format("sudo ethtool -G {} rx {}", name, card.ring->largest)
+                     : fmt::format("{} -g {}", ethtool, name),
+            may_grow ? keep_by_udev(card,
+                                    fmt::format("RUN+=\"/usr/sbin/ethtool -G $name rx {}\"",
+                                                card.ring->largest))
+                     : ""));
     }
     if (is_much(card.damaged)) {
         findings.push_back(make_finding(

@@ -1,3 +1,4 @@
+#include "core/config/spelling.hpp"
 #include "tools/doctor/checks/checks.hpp"
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace atrium::doctor {
@@ -43,6 +45,8 @@ constexpr std::array<std::pair<const char*, const char*>, 28> kPackages{
      {"libstb.so.0", "libstb0"},
      {"libturbojpeg.so.0", "libturbojpeg0"}}};
 
+constexpr const char* kFromMakeDeb = " The command takes the files of make deb.";
+
 // Of two cores, measured with eight cameras of 1 MP (docs/measurements/site.md), with a reserve.
 constexpr double kCoreSecondsPerMegapixel = 0.003;
 // Without the hull, on two thirds of the cores (deploy/costs.toml).
@@ -63,6 +67,23 @@ std::string cure_of_libraries(const std::vector<std::string>& libraries) {
     return fmt::format("sudo apt install {}", fmt::join(packages, " "));
 }
 
+std::string package_of(const std::string& program) {
+    if (program == "site_node" || program == "camera_node") return "atrium-site";
+    if (program == "world_server") return "atrium-world";
+    return program == "viewer" ? "atrium-viewer" : "atrium-tools";
+}
+
+// Packages need atrium-common of their own version.
+std::string cure_of_programs(const Facts& facts, const std::vector<std::string>& programs) {
+    if (!facts.packages.has_programs)
+        return fmt::format("deploy/build.sh build && sudo cp -r build/bin/. {}",
+                           shell_word(facts.programs.front().path.parent_path().string()));
+    std::set<std::string> files{"./packages/atrium-common_*.deb"};
+    for (const std::string& program : programs)
+        files.insert("./packages/" + package_of(program) + "_*.deb");
+    return fmt::format("sudo apt install {}", fmt::join(files, " "));
+}
+
 bool is_needed(const Facts& facts, const std::string& name) {
     const Roles& roles = facts.roles;
     const SiteHosts& hosts = facts.wishes.hosts;
@@ -79,17 +100,36 @@ void check_versions(const Facts& facts, Findings& findings) {
     }
     if (by_version.size() < 2) return;
     std::string text;
-    for (const auto& [version, names] : by_version)
+    std::vector<std::string> programs;
+    for (const auto& [version, names] : by_version) {
         text +=
             fmt::format("{}{} ({})", text.empty() ? "" : " and ", version, fmt::join(names, ", "));
+        programs.insert(programs.end(), names.begin(), names.end());
+    }
     const std::string folder = facts.programs.front().path.parent_path().string();
     findings.push_back(make_finding(
         "versions_mixed",
         fmt::format("The programs in {} are of different versions, {}: they do not understand each "
-                    "other.",
+                    "other.{}",
                     folder,
-                    text),
-        fmt::format("deploy/build.sh build && sudo cp -r build/bin/. {}", shell_word(folder))));
+                    text,
+                    facts.packages.has_programs ? kFromMakeDeb : ""),
+        cure_of_programs(facts, programs)));
+}
+
+std::string digits_of(const std::string& text) {
+    std::string digits;
+    std::ranges::copy_if(
+        text, std::back_inserter(digits), [](char c) { return c >= '0' && c <= '9'; });
+    return digits;
+}
+
+// The only name that may be meant; else empty. Another number is another host.
+std::string name_meant_by(const std::string& written, const std::vector<std::string>& names) {
+    std::vector<std::string> meant = config::names_meant_by(written, names);
+    std::erase_if(meant,
+                  [&](const std::string& name) { return digits_of(name) != digits_of(written); });
+    return meant.size() == 1 ? meant.front() : "";
 }
 
 // The programs of a site must know the name of their host.
@@ -103,7 +143,8 @@ void check_host(const Facts& facts, Findings& findings) {
     const auto alike = std::ranges::find_if(hosts.names, [&](const std::string& name) {
         return !short_name.empty() && name.substr(0, name.find('.')) == short_name;
     });
-    const bool has_alike = alike != hosts.names.end();
+    const std::string meant =
+        alike != hosts.names.end() ? *alike : name_meant_by(short_name, hosts.names);
     findings.push_back(make_finding(
         "host_not_in_file",
         fmt::format("{} is none of the hosts of {}: {}. Name it by --host, also to its programs{}, "
@@ -112,10 +153,10 @@ void check_host(const Facts& facts, Findings& findings) {
                                       : fmt::format("This host, '{}',", hosts.own),
                     wishes.file.string(),
                     fmt::join(hosts.names, ", "),
-                    has_alike ? "" : " (replace HOST)"),
+                    meant.empty() ? " (replace HOST)" : ""),
         fmt::format("atrium doctor {} --host {}",
                     shell_word(wishes.file.string()),
-                    has_alike ? shell_word(*alike) : "HOST")));
+                    meant.empty() ? "HOST" : shell_word(meant))));
 }
 
 void check_cores(const Facts& facts, Findings& findings) {
@@ -163,6 +204,28 @@ void check_nice(const Facts& facts, Findings& findings) {
 
 }  // namespace
 
+std::string path_of(const Facts& facts, const std::string& name) {
+    for (const Program& program : facts.programs) {
+        if (program.name == name) return shell_word(program.path.string());
+    }
+    return name;
+}
+
+bool is_there(const Facts& facts, const std::string& name) {
+    return std::ranges::any_of(facts.programs, [&](const Program& program) {
+        return program.name == name && program.is_there;
+    });
+}
+
+std::string path_of_any(const Facts& facts) {
+    for (const auto& [is_wanted, name] : {std::pair(facts.roles.site, "site_node"),
+                                          std::pair(facts.roles.world, "world_server"),
+                                          std::pair(facts.roles.viewer, "viewer")}) {
+        if (is_wanted && is_there(facts, name)) return path_of(facts, name);
+    }
+    return path_of(facts, "site_node");
+}
+
 Findings check_programs(const Facts& facts) {
     Findings findings;
     for (const Program& program : facts.programs) {
@@ -170,9 +233,11 @@ Findings check_programs(const Facts& facts) {
             const std::string folder = program.path.parent_path().string();
             findings.push_back(
                 make_finding("program_missing",
-                             fmt::format("The program {} is missing in {}.", program.name, folder),
-                             fmt::format("deploy/build.sh build && sudo cp -r build/bin/. {}",
-                                         shell_word(folder))));
+                             fmt::format("The program {} is missing in {}.{}",
+                                         program.name,
+                                         folder,
+                                         facts.packages.has_programs ? kFromMakeDeb : ""),
+                             cure_of_programs(facts, {program.name})));
         }
         if (!program.missing_libraries.empty()) {
             findings.push_back(make_finding("library_missing",
@@ -208,7 +273,10 @@ Findings check_site_file(const Facts& facts) {
                         wishes.rig_problem,
                         wishes.rig_problem.ends_with('?') ? "" : "."),
             wishes.source == "cameras"
-                ? fmt::format("atrium calibrate wand --config {}", shell_word(wishes.file.string()))
+                ? fmt::format("{}atrium calibrate wand --config {} -o {}",
+                              facts.packages.runs_file ? "sudo " : "",
+                              shell_word(wishes.file.string()),
+                              wishes.rig.empty() ? "rig.toml" : shell_word(wishes.rig.string()))
                 : fmt::format("grep -n rig {}", shell_word(wishes.file.string()))));
     }
     check_cores(facts, findings);

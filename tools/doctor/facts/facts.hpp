@@ -18,6 +18,12 @@ struct CardAddress {
     int prefix = 32;  // bits of the network
 };
 
+/// Of a card, for packets that come in [packets].
+struct ReceiveRing {
+    std::uint64_t now = 0;
+    std::uint64_t largest = 0;
+};
+
 struct Card {
     std::string name;
     std::string mac;  // empty: unknown
@@ -31,7 +37,8 @@ struct Card {
     std::uint64_t received = 0;  // packets since the start of the host
     std::uint64_t lost = 0;      // packets for which the card had no room
     std::uint64_t damaged = 0;   // packets with wrong checksums
-    int rp_filter = 0;           // 0 off, 1 strict, 2 loose
+    std::optional<ReceiveRing> ring;
+    int rp_filter = 0;  // 0 off, 1 strict, 2 loose
     std::vector<CardAddress> addresses;
 };
 
@@ -155,9 +162,11 @@ struct Certificate {
 struct KeyFacts {
     std::filesystem::path folder;
     bool is_there = false;
+    bool is_readable = true;  // by this user
     bool has_openssl = true;
     std::vector<Certificate> certificates;
-    std::vector<std::filesystem::path> open_keys;  // private keys that others may read
+    // private keys that others may use, or that their group may write
+    std::vector<std::filesystem::path> open_keys;
 };
 
 struct SiteCamera {

@@ -1,6 +1,8 @@
 #include "tools/doctor/facts/collect.hpp"
 
+#include <fcntl.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <cstring>
 
@@ -64,7 +66,10 @@ KeyFacts collect_keys(const System& system, const std::filesystem::path& folder)
     KeyFacts keys;
     keys.folder = folder;
     std::error_code error;
-    keys.is_there = std::filesystem::is_directory(folder, error);
+    keys.is_there =
+        std::filesystem::is_directory(folder, error) || error == std::errc::permission_denied;
+    keys.is_readable =
+        !keys.is_there || faccessat(AT_FDCWD, folder.c_str(), R_OK | X_OK, AT_EACCESS) == 0;
     const System files("/");
     std::size_t num_files = 0;
     for (const std::string& name : files.names_in(std::filesystem::absolute(folder).string())) {
@@ -77,7 +82,8 @@ KeyFacts collect_keys(const System& system, const std::filesystem::path& folder)
         if (text.find("-----BEGIN CERTIFICATE-----") != std::string::npos)
             keys.certificates.push_back(examine_certificate(system, file, keys));
         const bool is_private = text.find("PRIVATE KEY-----") != std::string::npos;
-        if (is_private && (status->st_mode & (S_IRWXG | S_IRWXO)) != 0)
+        // the services read keys as their group
+        if (is_private && (status->st_mode & (S_IWGRP | S_IRWXO)) != 0)
             keys.open_keys.push_back(file);
     }
     return keys;

@@ -92,12 +92,19 @@ Ticks ticks_now(const System& system, const std::vector<Process>& atrium_process
         for (const std::size_t i : {11, 12})
             ticks.atrium += static_cast<double>(parse_number(fields[i]).value_or(0));
     }
+    std::map<std::uint64_t, std::uint64_t> packages;
     const std::string folder = "/sys/devices/system/cpu/";
     for (const std::string& cpu : system.names_in(folder)) {
         const auto count =
             system.read_number(folder + cpu + "/thermal_throttle/package_throttle_count");
-        if (count) ticks.throttled = ticks.throttled.value_or(0) + *count;
+        if (!count) continue;
+        // each core shows the count of its package
+        const auto package =
+            system.read_number(folder + cpu + "/topology/physical_package_id").value_or(0);
+        packages[package] = std::max(packages[package], *count);
     }
+    for (const auto& [package, count] : packages)
+        ticks.throttled = ticks.throttled.value_or(0) + count;
     return ticks;
 }
 

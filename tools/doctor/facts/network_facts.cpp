@@ -56,6 +56,22 @@ std::optional<Card> read_card(const System& system, const std::string& name) {
     return card;
 }
 
+// `ethtool -g`: what may be, then what is.
+std::optional<ReceiveRing> receive_ring(const System& system, const std::string& card) {
+    const auto output = system.run({"ethtool", "-g", card});
+    if (!output || output->exit_code != 0) return std::nullopt;
+    std::vector<std::uint64_t> sizes;
+    for (const std::string& line : lines_of(output->text)) {
+        const std::vector<std::string> words = words_of(line);
+        if (words.size() != 2 || words[0] != "RX:") continue;
+        const auto size = parse_number(words[1]);
+        if (!size) return std::nullopt;
+        sizes.push_back(*size);
+    }
+    if (sizes.size() != 2) return std::nullopt;
+    return ReceiveRing{.now = sizes[1], .largest = sizes[0]};
+}
+
 std::vector<Card> read_cards(const System& system) {
     std::vector<Card> cards;
     const auto addresses = system.card_addresses().value_or(std::vector<CardAddress>{});
@@ -67,6 +83,7 @@ std::vector<Card> read_cards(const System& system) {
                      addresses.end(),
                      std::back_inserter(card->addresses),
                      [&](const CardAddress& one) { return one.card == name; });
+        if (card->is_wired && card->lost > 0) card->ring = receive_ring(system, name);
         cards.push_back(std::move(*card));
         if (cards.size() >= kMaxCards) break;
     }

@@ -106,6 +106,7 @@ std::string describe_folder(const std::optional<FolderFacts>& folder) {
 
 std::string describe_keys(const std::optional<KeyFacts>& keys) {
     if (!keys) return "not examined (--keys FOLDER)";
+    if (!keys->is_readable) return fmt::format("unknown: {} needs root", keys->folder.string());
     return fmt::format("{} certificates in {}", keys->certificates.size(), keys->folder.string());
 }
 

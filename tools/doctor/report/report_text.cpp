@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
+#include <string_view>
 
 namespace atrium::doctor {
 namespace {
@@ -21,11 +22,38 @@ const char* colour_of(Severity severity) {
     return kColours[static_cast<std::size_t>(severity)];
 }
 
+// Bytes of the letter in UTF-8 at the begin of the text; 0: it is wrong or controls a terminal or
+// the direction of text.
+std::size_t bytes_of_letter(std::string_view text) {
+    const auto byte = [&](std::size_t i) {
+        return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i]));
+    };
+    const std::uint32_t first = byte(0);
+    if (first < 0x80) return first >= ' ' && first <= '~' ? 1 : 0;
+    const std::size_t num_bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC2 ? 2 : 0;
+    if (num_bytes == 0 || first > 0xF4 || text.size() < num_bytes) return 0;
+    std::uint32_t code = first & (0x7FU >> num_bytes);
+    for (std::size_t i = 1; i < num_bytes; ++i) {
+        if ((byte(i) & 0xC0U) != 0x80U) return 0;
+        code = code << 6U | (byte(i) & 0x3FU);
+    }
+    constexpr std::array<std::uint32_t, 5> kLeast{0, 0, 0xA0, 0x800, 0x10000};
+    const bool is_control = (code >= 0x200B && code <= 0x200F) ||
+                            (code >= 0x2028 && code <= 0x202E) ||
+                            (code >= 0x2060 && code <= 0x206F) || code == 0xFEFF;
+    const bool is_wrong = (code >= 0xD800 && code <= 0xDFFF) || code > 0x10FFFF;
+    return code < kLeast[num_bytes] || is_control || is_wrong ? 0 : num_bytes;
+}
+
 // Names come from the system: none may send commands to a terminal.
-std::string printable(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    return text;
+std::string printable(const std::string& text) {
+    std::string shown;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t num_bytes = bytes_of_letter(std::string_view(text).substr(at));
+        shown += num_bytes == 0 ? "?" : text.substr(at, num_bytes);
+        at += std::max<std::size_t>(1, num_bytes);
+    }
+    return shown;
 }
 
 class Page {
