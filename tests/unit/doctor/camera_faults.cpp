@@ -143,7 +143,7 @@ std::vector<Fault> rights_faults() {
             {"UsbCameraClosedWithThePackage",
              "usb_camera_not_permitted",
              [](FakeHost& host, Options&) {
-                 host.write("/lib/udev/rules.d/60-atrium-cameras.rules", "");
+                 host.write("/usr/lib/udev/rules.d/60-atrium-cameras.rules", "");
                  host.write("/dev/bus/usb/002/003", "", 0660);
              },
              "lab may not open",

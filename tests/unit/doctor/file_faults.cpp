@@ -155,6 +155,16 @@ std::vector<Fault> program_faults() {
              },
              "/usr/lib/atrium/bin. The command takes the files of make deb.",
              "sudo apt install ./packages/atrium-common_*.deb ./packages/atrium-world_*.deb"},
+            {"ProgramMissingOfAnInstallationByHand",
+             "program_missing",
+             [](FakeHost& host, Options& options) {
+                 host.install();
+                 host.remove("/var/lib/dpkg");
+                 std::filesystem::remove(host.programs() / "world_server");
+                 options.roles = Roles{.world = true};
+             },
+             "The program world_server is missing in ",
+             "deploy/build.sh build && sudo cp -r build/bin/. "},
             {"VersionsMixedOfThePackages",
              "versions_mixed",
              [](FakeHost& host, Options&) {

@@ -28,7 +28,7 @@ void check_permission(const Facts& facts, Findings& findings) {
         return fmt::format(" && sudo usermod -aG {} {}", group, shell_word(facts.user.name));
     };
     std::string cure = kApplyRules;
-    if (!facts.cameras.has_usb_rule) {
+    if (!facts.packages.has_usb_rule) {
         cure = write_line(kRule, kRuleFile) + " && " + cure + join_group("plugdev");
     } else if (!is_service) {
         cure += join_group("atrium");

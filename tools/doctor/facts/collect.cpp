@@ -50,24 +50,32 @@ std::optional<unsigned> group_named(const System& system, const std::string& nam
     return std::nullopt;
 }
 
+bool exists_in_lib(const System& system, const std::string& file) {
+    return system.exists("/lib/" + file) || system.exists("/usr/lib/" + file);
+}
+
 bool is_below(const std::filesystem::path& path, const std::filesystem::path& folder) {
     std::error_code error;
-    const auto whole = std::filesystem::weakly_canonical(path, error);
-    const auto above = std::filesystem::weakly_canonical(folder, error);
+    // a link in the folder counts as in it
+    const auto whole = std::filesystem::absolute(path, error).lexically_normal();
+    const auto above = std::filesystem::absolute(folder, error).lexically_normal();
     return std::mismatch(above.begin(), above.end(), whole.begin(), whole.end()).first ==
            above.end();
 }
 
 PackageFacts collect_packages(const System& system, const Request& request, const Roles& roles) {
     PackageFacts facts;
-    facts.has_programs =
-        !request.programs.empty() && is_below(request.programs, system.at("/usr/lib/atrium/bin"));
+    // not an installation by hand, which lies there too
+    facts.has_programs = !request.programs.empty() &&
+                         is_below(request.programs, system.at("/usr/lib/atrium/bin")) &&
+                         system.exists("/var/lib/dpkg/info/atrium-common.list");
     const std::string unit = roles.site ? "atrium-site@.service" : "atrium-world.service";
     const auto& file = request.wishes.file;
     facts.runs_file = !file.empty() && (roles.site || roles.world) &&
                       is_below(file, system.at("/etc/atrium")) &&
-                      system.exists("/lib/systemd/system/" + unit);
+                      exists_in_lib(system, "systemd/system/" + unit);
     facts.group = group_named(system, "atrium");
+    facts.has_usb_rule = exists_in_lib(system, "udev/rules.d/60-atrium-cameras.rules");
     return facts;
 }
 

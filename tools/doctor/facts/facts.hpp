@@ -83,7 +83,6 @@ struct CameraFacts {
     std::optional<std::vector<FoundCamera>> found;  // that answer
     std::vector<UsbCamera> usb;
     std::optional<std::uint64_t> usb_memory_mb;
-    bool has_usb_rule = false;  // that of Atrium's packages
 };
 
 struct Program {
@@ -214,9 +213,10 @@ struct Wishes {
     std::vector<Reader> readers;
 };
 
-/// What Atrium's Debian packages set up on this host.
+/// What Atrium's Debian packages, or an installation by hand, set up on this host.
 struct PackageFacts {
-    bool has_programs = false;      // the examined programs are theirs
+    bool has_programs = false;  // the examined programs are those of packages
+    bool has_usb_rule = false;
     bool runs_file = false;         // a service reads the file, as its own user with its own rights
     std::optional<unsigned> group;  // of the services' user
 };

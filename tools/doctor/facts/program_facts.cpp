@@ -124,7 +124,6 @@ CameraFacts collect_cameras(const System& system,
                             const std::optional<User>& opens) {
     CameraFacts facts;
     facts.usb = usb_cameras(system, opens);
-    facts.has_usb_rule = system.exists("/lib/udev/rules.d/60-atrium-cameras.rules");
     facts.usb_memory_mb = system.read_number("/sys/module/usbcore/parameters/usbfs_memory_mb");
     constexpr int kNoneAnswers = 3;
     for (const Program& program : programs) {
