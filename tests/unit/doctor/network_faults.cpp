@@ -239,97 +239,98 @@ std::vector<Fault> card_faults() {
 }
 
 std::vector<Fault> firewall_faults() {
-    return {{"NftDropsDds",
-             "firewall_drops_dds",
-             [](FakeHost& host, Options&) {
-                 set_nft(host, nft_with("filter", "accept", {kAcceptEstablished, kDropDds}));
-             },
-             "nftables, chain inet filter input) drops UDP to port 7400",
-             "sudo nft insert rule inet filter input udp dport 7400-7649 accept",
-             "echo 'insert rule inet filter input udp dport 7400-7649 accept' | sudo tee -a "
-             "/etc/nftables.conf && sudo nft -c -f /etc/nftables.conf && sudo systemctl enable "
-             "nftables"},
-            {"NftDropsDdsInTheTableOfIptables",
-             "firewall_drops_dds",
-             [](FakeHost& host, Options&) {
-                 set_nft(host, nft_with("filter", "accept", {kDropDds}, "ip", "INPUT"));
-             },
-             "nftables, chain ip filter INPUT) drops UDP to port 7400",
-             "sudo iptables -I INPUT -p udp --dport 7400:7649 -j ACCEPT",
-             "netfilter-persistent save"},
-            {"NftPolicyDrops",
-             "firewall_drops_dds",
-             [](FakeHost& host, Options&) {
-                 set_nft(host, nft_with("filter", "drop", {kAcceptEstablished, kAcceptEth1}));
-             },
-             "drops UDP to port 7400",
-             "udp dport 7400-7649 accept",
-             "/etc/nftables.conf"},
-            {"NftDropsCameras",
-             "firewall_drops_cameras",
-             [](FakeHost& host, Options&) {
-                 set_nft(host, nft_with("filter", "accept", {kDropCameras}));
-             },
-             "drops UDP from port 3956",
-             "sudo nft insert rule inet filter input iifname eth1 meta l4proto udp accept",
-             "/etc/nftables.conf"},
-            {"UfwDropsDds",
-             "firewall_drops_dds",
-             [](FakeHost& host, Options&) {
-                 host.write("/etc/ufw/ufw.conf", "# ufw\nENABLED=yes\n");
-                 set_nft(host, nft_with("filter", "accept", {kDropDds}));
-             },
-             "drops UDP to port 7400",
-             "sudo ufw allow 7400:7649/udp"},
-            {"FirewalldDropsDds",
-             "firewall_drops_dds",
-             [](FakeHost& host, Options&) {
-                 set_nft(host, nft_with("firewalld", "accept", {kDropDds}));
-             },
-             "drops UDP to port 7400",
-             "sudo firewall-cmd --permanent --add-port=7400-7649/udp"},
-            {"FirewalldDropsCameras",
-             "firewall_drops_cameras",
-             [](FakeHost& host, Options&) {
-                 set_nft(host, nft_with("firewalld", "accept", {kDropCameras}));
-             },
-             "cameras do not arrive.",
-             "sudo firewall-cmd --permanent --add-rich-rule='rule family=\"ipv4\" source "
-             "address=\"192.168.1.0/24\" protocol value=\"udp\" accept' && sudo firewall-cmd "
-             "--reload"},
-            {"FirewalldDropsCamerasAtNoCard",
-             "firewall_drops_cameras",
-             [](FakeHost& host, Options& options) {
-                 options.network = "loopback";
-                 for (const std::string& card : {kEth0, kEth1}) host.remove(card);
-                 host.addresses.resize(1);
-                 set_nft(host, nft_with("firewalld", "accept", {kDropCameras}));
-             },
-             "do not arrive. The command lets UDP of other hosts in, too.",
-             "--add-rich-rule='rule protocol value=\"udp\" accept'"},
-            {"NftDropsCamerasAtTheOnlyCard",
-             "firewall_drops_cameras",
-             [](FakeHost& host, Options&) {
-                 host.set_cameras({{"10.0.0.11", "101"}});
-                 host.write(kEth0 + "mtu", "9000");
-                 set_nft(host, nft_with("filter", "accept", {kDropCameras}));
-             },
-             "do not arrive. The command lets UDP of other hosts in, too.",
-             "sudo nft insert rule inet filter input iifname eth0 meta l4proto udp accept",
-             "/etc/nftables.conf"},
-            {"IptablesDropsDds",
-             "firewall_drops_dds",
-             [](FakeHost& host, Options&) {
-                 host.outputs["nft -j list ruleset"] = {1, "Operation not permitted\n"};
-                 host.outputs["iptables-save"] = {
-                     0,
-                     "*filter\n:INPUT DROP [0:0]\n:FORWARD ACCEPT [0:0]\n"
-                     "-A INPUT -i eth1 -j ACCEPT\n"
-                     "-A INPUT -p udp -m udp --dport 7400 -j ACCEPT\nCOMMIT\n"};
-             },
-             "iptables, chain INPUT) drops UDP to port 7410",
-             "sudo iptables -I INPUT -p udp --dport 7400:7649 -j ACCEPT",
-             "netfilter-persistent save"}};
+    return {
+        {"NftDropsDds",
+         "firewall_drops_dds",
+         [](FakeHost& host, Options&) {
+             set_nft(host, nft_with("filter", "accept", {kAcceptEstablished, kDropDds}));
+         },
+         "nftables, chain inet filter input) drops UDP to port 7400",
+         "sudo nft insert rule inet filter input udp dport 7400-7649 accept",
+         "(cat /etc/nftables.conf; echo 'insert rule inet filter input udp dport 7400-7649 "
+         "accept') | sudo nft -c -f - && echo 'insert rule inet filter input udp dport "
+         "7400-7649 accept' | sudo tee -a /etc/nftables.conf && sudo systemctl enable nftables"},
+        {"NftDropsDdsInTheTableOfIptables",
+         "firewall_drops_dds",
+         [](FakeHost& host, Options&) {
+             set_nft(host, nft_with("filter", "accept", {kDropDds}, "ip", "INPUT"));
+         },
+         "nftables, chain ip filter INPUT) drops UDP to port 7400",
+         "sudo iptables -I INPUT -p udp --dport 7400:7649 -j ACCEPT",
+         "netfilter-persistent save"},
+        {"NftPolicyDrops",
+         "firewall_drops_dds",
+         [](FakeHost& host, Options&) {
+             set_nft(host, nft_with("filter", "drop", {kAcceptEstablished, kAcceptEth1}));
+         },
+         "drops UDP to port 7400",
+         "udp dport 7400-7649 accept",
+         "/etc/nftables.conf"},
+        {"NftDropsCameras",
+         "firewall_drops_cameras",
+         [](FakeHost& host, Options&) {
+             set_nft(host, nft_with("filter", "accept", {kDropCameras}));
+         },
+         "drops UDP from port 3956",
+         "sudo nft insert rule inet filter input iifname eth1 meta l4proto udp accept",
+         "/etc/nftables.conf"},
+        {"UfwDropsDds",
+         "firewall_drops_dds",
+         [](FakeHost& host, Options&) {
+             host.write("/etc/ufw/ufw.conf", "# ufw\nENABLED=yes\n");
+             set_nft(host, nft_with("filter", "accept", {kDropDds}));
+         },
+         "drops UDP to port 7400",
+         "sudo ufw allow 7400:7649/udp"},
+        {"FirewalldDropsDds",
+         "firewall_drops_dds",
+         [](FakeHost& host, Options&) {
+             set_nft(host, nft_with("firewalld", "accept", {kDropDds}));
+         },
+         "drops UDP to port 7400",
+         "sudo firewall-cmd --permanent --add-port=7400-7649/udp"},
+        {"FirewalldDropsCameras",
+         "firewall_drops_cameras",
+         [](FakeHost& host, Options&) {
+             set_nft(host, nft_with("firewalld", "accept", {kDropCameras}));
+         },
+         "cameras do not arrive.",
+         "sudo firewall-cmd --permanent --add-rich-rule='rule family=\"ipv4\" source "
+         "address=\"192.168.1.0/24\" protocol value=\"udp\" accept' && sudo firewall-cmd "
+         "--reload"},
+        {"FirewalldDropsCamerasAtNoCard",
+         "firewall_drops_cameras",
+         [](FakeHost& host, Options& options) {
+             options.network = "loopback";
+             for (const std::string& card : {kEth0, kEth1}) host.remove(card);
+             host.addresses.resize(1);
+             set_nft(host, nft_with("firewalld", "accept", {kDropCameras}));
+         },
+         "do not arrive. The command lets UDP of other hosts in, too.",
+         "--add-rich-rule='rule protocol value=\"udp\" accept'"},
+        {"NftDropsCamerasAtTheOnlyCard",
+         "firewall_drops_cameras",
+         [](FakeHost& host, Options&) {
+             host.set_cameras({{"10.0.0.11", "101"}});
+             host.write(kEth0 + "mtu", "9000");
+             set_nft(host, nft_with("filter", "accept", {kDropCameras}));
+         },
+         "do not arrive. The command lets UDP of other hosts in, too.",
+         "sudo nft insert rule inet filter input iifname eth0 meta l4proto udp accept",
+         "/etc/nftables.conf"},
+        {"IptablesDropsDds",
+         "firewall_drops_dds",
+         [](FakeHost& host, Options&) {
+             host.outputs["nft -j list ruleset"] = {1, "Operation not permitted\n"};
+             host.outputs["iptables-save"] = {
+                 0,
+                 "*filter\n:INPUT DROP [0:0]\n:FORWARD ACCEPT [0:0]\n"
+                 "-A INPUT -i eth1 -j ACCEPT\n"
+                 "-A INPUT -p udp -m udp --dport 7400 -j ACCEPT\nCOMMIT\n"};
+         },
+         "iptables, chain INPUT) drops UDP to port 7410",
+         "sudo iptables -I INPUT -p udp --dport 7400:7649 -j ACCEPT",
+         "netfilter-persistent save"}};
 }
 
 }  // namespace

@@ -53,14 +53,13 @@ Finding found_drop(const Facts& facts,
                                          shell_word(chain.table),
                                          shell_word(chain.name),
                                          opening.nft);
-    // after the tables of the file, if it has this one
+    // A rule for a table that the file lacks would stop all of it: it is checked before it is kept.
     return make_finding(id,
                         text,
                         "sudo nft " + rule,
-                        fmt::format("echo {} | sudo tee -a {} && sudo nft -c -f {} && "
-                                    "sudo systemctl enable nftables",
+                        fmt::format("(cat {1}; echo {0}) | sudo nft -c -f - && echo {0} | sudo "
+                                    "tee -a {1} && sudo systemctl enable nftables",
                                     shell_word(rule),
-                                    kNftFile,
                                     kNftFile));
 }
 
