@@ -3,6 +3,7 @@
 #include "core/base/fnv1a.hpp"
 #include "core/bus/limits.hpp"
 #include "core/config/rig.hpp"
+#include "core/config/spelling.hpp"
 #include "site_node/hull/field_of_view.hpp"
 #include "site_node/hull/input_limits.hpp"
 #include "site_node/silhouette/picture_field.hpp"
@@ -39,10 +40,13 @@ Expected<std::uint32_t> find_camera(std::span<const geometry::CalibratedCamera> 
         if (cameras[i].name == name) return static_cast<std::uint32_t>(i);
         names.push_back(cameras[i].name);
     }
-    return wrong(
-        options,
-        key,
-        fmt::format("no camera is named '{}'; this rig has {}", name, fmt::join(names, ", ")));
+    const std::string meant = config::ask_which(config::names_meant_by(name, names));
+    return wrong(options,
+                 key,
+                 fmt::format("no camera is named '{}'; this rig has {}{}",
+                             name,
+                             fmt::join(names, ", "),
+                             meant.empty() ? "" : " (" + meant + ")"));
 }
 
 Expected<void> check_count(std::size_t num_cameras, const HullStageOptions& options) {

@@ -29,6 +29,12 @@ std::string overload_advice(const Overload& overload, atrium::status::Cause caus
     text += fmt::format(": {} takes {:.0f} % of the work",
                         overload.largest_work->name,
                         100.0 * overload.largest_work->share);
+    if (overload.largest_work->is_wait) {
+        return text + fmt::format(
+                          "; give them fewer regions or more cores (atrium plan), or set "
+                          "capture.rate_hz = {:g}",
+                          suggested_hz(overload.done_hz));
+    }
     const bool has_free_cores = cause != Cause::kMachine && overload.threads < overload.num_cores;
     if (has_free_cores) {
         text += fmt::format("; raise site.threads to {} ({:.1f} of {} cores are used), or",

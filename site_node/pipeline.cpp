@@ -50,7 +50,6 @@ void add(const bus::RegionMeshes& remote, SiteFrame& frame) {
     frame.losses.contours_dropped += static_cast<std::uint32_t>(left_out.num_contours_dropped);
     frame.losses.contours_repaired += static_cast<std::uint32_t>(left_out.num_contours_repaired);
     frame.losses.regions_failed += static_cast<std::uint32_t>(left_out.num_regions_failed);
-    frame.work_milliseconds.mesh += remote.mesh_ms;
 }
 
 // The hull, with the regions that other hosts computed.
@@ -308,9 +307,11 @@ void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
         hull.num_contours_repaired,
         hull.num_regions_failed};
     for (const bus::RegionMeshes& remote : frame.remote) add(remote, frame);
-    for (const auto& camera : silhouettes.cameras_) {
+    for (std::size_t i = 0; i < silhouettes.cameras_.size(); ++i) {
+        const auto& camera = silhouettes.cameras_[i];
         frame.losses.contours_dropped +=
             camera->counts.num_not_undistorted + camera->counts.num_not_simple;
+        if (silhouettes.metaframe_.frames[i].found != nullptr) continue;  // work of a camera node
         frame.work_milliseconds.segmentation += camera->segmentation_ms;
         frame.work_milliseconds.polygons += camera->polygons_ms;
         frame.work_milliseconds.textures += camera->texture_ms;
@@ -352,6 +353,8 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     if (auto failed = failure_without_mesh(frame, has_own_hull()); !failed) return failed;
     if (!frame.draco.empty()) name_remote_textures(silhouettes.metaframe_, frame);
     sum_up(silhouettes, frame);
+    frame.work_milliseconds.hull = milliseconds_between(hull_begin, encode_begin);
+    frame.work_milliseconds.waiting = milliseconds_between(wait_begin, wait_end);
     const auto end = Clock::now();
     frame.milliseconds = {
         silhouettes.milliseconds_,

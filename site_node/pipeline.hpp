@@ -71,13 +71,15 @@ struct SiteFrame {
         double total = 0.0;
     } milliseconds;
 
-    /// Work inside these stages, summed over the cameras. With enough workers the sum exceeds the
-    /// duration of the stage.
+    /// Work of this host inside these stages, summed over the cameras. With enough workers the sum
+    /// exceeds the duration of the stage.
     struct WorkMilliseconds {
         double segmentation = 0.0;  // includes the conversion of raw pictures
         double polygons = 0.0;
+        double hull = 0.0;
         double mesh = 0.0;
         double textures = 0.0;
+        double waiting = 0.0;  // for hosts of regions
     } work_milliseconds;
 };
 

@@ -248,7 +248,10 @@ void SiteNode::compute_frame(Ready& ready) {
 void SiteNode::count_losses(const SiteFrame& frame) {
     const MetaframeLosses& losses = frame.losses;
     if (losses.regions_failed > 0) {
-        const std::string failed = fmt::format("failed={}", losses.regions_failed);
+        std::string failed = fmt::format("failed={}", losses.regions_failed);
+        for (const bus::RegionMeshes& remote : frame.remote) {
+            if (remote.left_out.num_regions_failed > 0) failed += " host=" + remote.host;
+        }
         missing_regions_.warn(
             failed, fmt::format("metaframe lacks regions id={} {}", frame.frame_id, failed));
     }

@@ -33,13 +33,6 @@ Expected<std::vector<bus::Writer<bus::CameraTexture>>> open_textures(
 
 // Checks the configuration against this rig and warns about suspicious settings.
 Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
-    if (config.capture.min_cameras > static_cast<int>(rig.cameras.size())) {
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("capture.min_cameras: must not exceed the number of cameras, {}, got {}",
-                        rig.cameras.size(),
-                        config.capture.min_cameras));
-    }
     const double period_quarter_ms = 250.0 / metaframe_rate_hz(config, rig);
     if (config.capture.tolerance_ms > period_quarter_ms) {
         return make_error(

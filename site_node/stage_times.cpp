@@ -7,10 +7,14 @@
 namespace atrium::site_node {
 namespace {
 
-constexpr std::size_t kNumStages = 5;
+constexpr std::size_t kNumStages = 6;
 constexpr std::chrono::seconds kForget{3};
-constexpr std::array<const char*, kNumStages> kStageNames{
-    "segmentation", "polygons", "the hull", "the coding of meshes", "the coding of textures"};
+constexpr std::array<const char*, kNumStages> kStageNames{"segmentation",
+                                                          "polygons",
+                                                          "the hull",
+                                                          "the coding of meshes",
+                                                          "the coding of textures",
+                                                          "waiting for hosts of regions"};
 
 }  // namespace
 
@@ -19,7 +23,7 @@ void StageTimes::computed(const SiteFrame& frame) {
     const SiteFrame::WorkMilliseconds& work = frame.work_milliseconds;
     const std::lock_guard lock(mutex_);
     const std::array<double, kNumStages> spent{
-        work.segmentation, work.polygons, milliseconds.hull, work.mesh, work.textures};
+        work.segmentation, work.polygons, work.hull, work.mesh, work.textures, work.waiting};
     for (std::size_t i = 0; i < kNumStages; ++i) work_ms_[i] += spent[i];
     silhouettes_.add(from_milliseconds(milliseconds.silhouettes));
     hull_.add(from_milliseconds(milliseconds.hull));
@@ -31,8 +35,8 @@ std::optional<StageTimes::Work> StageTimes::largest_work() {
     const double sum = std::accumulate(work_ms_.begin(), work_ms_.end(), 0.0);
     const auto largest = std::max_element(work_ms_.begin(), work_ms_.end());
     if (!(sum > 0.0)) return std::nullopt;
-    const Work work{kStageNames[static_cast<std::size_t>(largest - work_ms_.begin())],
-                    *largest / sum};
+    const auto index = static_cast<std::size_t>(largest - work_ms_.begin());
+    const Work work{kStageNames[index], *largest / sum, index + 1 == kNumStages};
     work_ms_ = {};
     return work;
 }

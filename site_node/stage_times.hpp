@@ -27,7 +27,8 @@ public:
     /// Work of the pool per stage since the previous call, for advice about overload.
     struct Work {
         std::string name;
-        double share = 0.0;  // of the work of all stages
+        double share = 0.0;    // of the work of all stages
+        bool is_wait = false;  // for other hosts
     };
     /// The stage with the most work; nullopt without any.
     std::optional<Work> largest_work();
@@ -39,7 +40,7 @@ public:
 
 private:
     mutable std::mutex mutex_;
-    std::array<double, 5> work_ms_{};  // since the last largest_work
+    std::array<double, 6> work_ms_{};  // since the last largest_work
     LatencyWindow silhouettes_;
     LatencyWindow hull_;
     LatencyWindow coding_;

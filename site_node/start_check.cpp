@@ -28,7 +28,8 @@ void doubt_regions(std::span<const RegionOptions> regions, const config::Rig& ri
     for (const std::string& pair : overlapping_regions(regions))
         app::log::warn("hull.region: {} overlap; people there appear twice in the mesh", pair);
     for (const RegionOptions& region : regions) {
-        if (const auto doubt = rig_check::check_region(region.bounds, rig.cameras))
+        const auto bounds = rig.has_bounds ? std::optional(rig.bounds_site) : std::nullopt;
+        if (const auto doubt = rig_check::check_region(region.bounds, rig.cameras, bounds))
             app::log::warn("region_looks_wrong region={} reason=\"{}\"", region.name, doubt->text);
     }
 }
@@ -83,6 +84,13 @@ Expected<config::Rig> load_checked_description(const SiteNodeConfig& config) {
     if (!rig) return rig;
     if (!config.hosts.empty()) {
         if (auto fits = check_hosts(config, *rig); !fits) return tl::unexpected(fits.error());
+    }
+    if (config.capture.min_cameras > static_cast<int>(rig->cameras.size())) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("capture.min_cameras: must not exceed the number of cameras, {}, got {}",
+                        rig->cameras.size(),
+                        config.capture.min_cameras));
     }
     if (auto fits = check_areas(config.pipeline, *rig); !fits) return tl::unexpected(fits.error());
     HullStageOptions hull = config.pipeline.hull;

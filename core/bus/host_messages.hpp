@@ -23,7 +23,7 @@ struct CameraSilhouette {
     std::uint64_t frame_id = 0;     // of the CameraTexture of this picture, with `capture_time`
     Timestamp capture_time;         // on the clock of that host
     std::uint64_t clock_epoch = 0;  // changes when that clock is set
-    std::uint64_t rig = 0;          // fingerprint of the host's rig
+    std::uint64_t rig = 0;          // fingerprint of its rig and part
     bool has_picture = false;       // false: the picture of this time is lost
     bool has_texture = false;       // a CameraTexture of this picture follows
     bool is_view_shifted = false;   // the picture shows the learned room shifted

@@ -160,10 +160,13 @@ Expected<void> Membership::Impl::claim(std::stop_token stop) {
             return announce();
         }
         if (verdict == NameClaim::Verdict::kRefused) {
+            // those of hosts are in the site's file
+            const bool is_of_host = own.kind == bus::ProgramKind::kCameraNode ||
+                                    own.kind == bus::ProgramKind::kRegionNode;
             return make_error(ErrorKind::kConfiguration,
-                              fmt::format("the name is taken by {}; choose another name or end "
-                                          "that program",
-                                          describe(*rival)));
+                              fmt::format("the name is taken by {}; {}end that program",
+                                          describe(*rival),
+                                          is_of_host ? "" : "choose another name or "));
         }
         if (rival != nullptr && !std::exchange(has_said, true)) {
             events.info(fmt::format(

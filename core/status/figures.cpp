@@ -78,7 +78,7 @@ Figures::Alarm alarm_of(const bus::HostStatus& host) {
                     "the network delays the measurement of its clock, or it just came"};
         case bus::HostState::kOtherRig:
             return {what + (host.num_regions > 0 ? ": its rig, [hull] or regions are others"
-                                                 : ": its rig is another one"),
+                                                 : ": its rig, its rate or its cameras are others"),
                     "copy the rig there",
                     "copy the site's file and its rig from this host to all hosts, and start their "
                     "programs anew"};

@@ -79,6 +79,7 @@ struct Part {
     std::string host;
     std::vector<std::string> cameras;
     bool shares_cameras = false;  // with other hosts: some of them hang there
+    std::uint64_t fingerprint = 0;
 };
 
 Expected<Part> own_part(const SiteNodeConfig& config) {
@@ -101,7 +102,8 @@ Expected<Part> own_part(const SiteNodeConfig& config) {
         return wrong(
             fmt::format("{}: host: '{}' has no cameras: run site_node there", host->place, name));
     const bool shares = host->takes_any && !hosts::hosts_that_share(config.hosts).empty();
-    return Part{std::move(*rig), name, std::move(cameras), shares};
+    const std::uint64_t fingerprint = hosts::part_fingerprint(*rig, *host);
+    return Part{std::move(*rig), name, std::move(cameras), shares, fingerprint};
 }
 
 }  // namespace
@@ -125,7 +127,7 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
                                                          std::stop_token stop) {
     const auto part = own_part(asked);
     if (!part) return tl::unexpected(part.error());
-    const auto& [rig, name, names, shares_cameras] = *part;
+    const auto& [rig, name, names, shares_cameras, part_fingerprint] = *part;
     SiteNodeConfig config = asked;
     if (config.threads == 0) config.threads = site_node::default_threads();
 
@@ -166,7 +168,7 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
         camera->work = std::make_unique<CameraWork>(config.name,
                                                     name,
                                                     indices[i],
-                                                    config::fingerprint(rig),
+                                                    part_fingerprint,
                                                     std::move((*stages)[i]),
                                                     config.pipeline.texture,
                                                     std::move(*writers));

@@ -23,7 +23,7 @@ public:
     };
 
     /// `camera`: index in the rig of the site. Without `stage` all its pictures count as lost.
-    /// `rig`: fingerprint of that rig.
+    /// `rig`: hosts::part_fingerprint.
     CameraWork(std::string site,
                std::string host,
                std::uint32_t camera,

@@ -56,10 +56,12 @@ HostTable::HostTable(std::vector<std::string> cameras,
                      const std::vector<HostEntry>& hosts,
                      const HostTableOptions& options)
     : cameras_(std::move(cameras)), options_(options), owners_(cameras_.size()) {
-    for (const HostEntry& entry : hosts) {
+    for (std::size_t i = 0; i < hosts.size(); ++i) {
+        const HostEntry& entry = hosts[i];
         if (entry.cameras.empty() && !entry.takes_any) continue;
         Host& host = hosts_.emplace_back();
         host.entry = entry;
+        if (i < options.parts.size()) host.part = options.parts[i];
         for (const std::string& camera : entry.cameras) {
             const auto found = std::ranges::find(cameras_, camera);
             if (found != cameras_.end())
@@ -129,7 +131,7 @@ void HostTable::add(bus::CameraSilhouette silhouette,
     host->last_heard = arrival;
     host->has_grace = false;
     host->epoch = silhouette.clock_epoch;
-    host->has_our_rig = silhouette.rig == options_.rig;
+    host->has_our_part = silhouette.rig == host->part;
     enter(*host, judge(*host, arrival), arrival);
     const bool knows_clock =
         host->state == bus::HostState::kInUse || host->state == bus::HostState::kLate;
@@ -188,7 +190,7 @@ void HostTable::forget_clocks(Time now) {
 bus::HostState HostTable::judge(Host& host, Time now) const {
     using State = bus::HostState;
     if (!host.last_heard || now - *host.last_heard > silence()) return State::kMissing;
-    if (!host.has_our_rig) return State::kOtherRig;
+    if (!host.has_our_part) return State::kOtherRig;
     // metaframes still wait for pictures by the former clock
     if (forgotten_ && now - *forgotten_ <= options_.deadline) return State::kClockUnknown;
     const auto clock = host.clocks.find(host.epoch);
@@ -242,9 +244,9 @@ std::string HostTable::why(const Host& host) const {
             return "reason=\"its clock is not measured yet, or the network delays the measurement "
                    "by more than a quarter of the period\"";
         case bus::HostState::kOtherRig:
-            return "reason=\"its rig has other cameras, lenses or poses than this host's\" "
-                   "advice=\"copy the site's file and its rig to all hosts, and start camera_node "
-                   "there anew\"";
+            return "reason=\"its rig, its rate or its cameras in the site's file differ from this "
+                   "host's\" advice=\"copy the site's file and its rig to all hosts, and start "
+                   "camera_node there anew\"";
         case bus::HostState::kLate:
             return fmt::format(
                 "reason=\"its silhouettes come {:.0f} ms after their pictures, later than "

@@ -21,7 +21,8 @@ namespace atrium::hosts {
 struct HostTableOptions {
     std::chrono::nanoseconds period{};    // between two instants of the site
     std::chrono::nanoseconds deadline{};  // how long a metaframe waits for pictures
-    std::uint64_t rig = 0;                // config::fingerprint of this host's rig
+    /// Per host, as handed to the table: its part_fingerprint. Empty: 0 for all.
+    std::vector<std::uint64_t> parts{};
 };
 
 /// Decides which camera nodes' silhouettes become part of metaframes, and when they were captured
@@ -72,7 +73,8 @@ private:
         HostEntry entry;
         std::map<std::uint64_t, HostClock> clocks;  // per epoch of its clock
         std::uint64_t epoch = 0;                    // of its last silhouette
-        bool has_our_rig = true;                    // by its last silhouette
+        std::uint64_t part = 0;                     // its part_fingerprint
+        bool has_our_part = true;                   // by its last silhouette
         std::optional<Time> last_heard;
         bool has_grace = false;                       // since it was heard
         std::deque<std::chrono::nanoseconds> delays;  // of the last pictures

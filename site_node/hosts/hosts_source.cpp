@@ -24,9 +24,10 @@ std::vector<std::string> camera_names(const config::Rig& rig) {
 }
 
 HostTableOptions table_options(const config::Rig& rig, const HostsSourceOptions& options) {
-    return {std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rig.rate_hz)),
-            options.deadline,
-            config::fingerprint(rig)};
+    HostTableOptions table{std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rig.rate_hz)),
+                           options.deadline};
+    for (const HostEntry& host : options.hosts) table.parts.push_back(part_fingerprint(rig, host));
+    return table;
 }
 
 }  // namespace

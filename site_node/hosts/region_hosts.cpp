@@ -189,8 +189,10 @@ std::vector<bus::RegionMeshes> RegionHosts::collect() {
 }
 
 std::vector<bus::HostStatus> RegionHosts::statuses() const {
+    std::vector<bool> is_connected;
+    for (const auto& writer : bus_.orders) is_connected.push_back(writer.num_readers() > 0);
     const std::lock_guard lock(mutex_);
-    return table_.statuses(Clock::now());
+    return table_.statuses(is_connected, Clock::now());
 }
 
 }  // namespace atrium::hosts

@@ -171,13 +171,19 @@ std::string RegionTable::why(const Host& host) const {
 
 std::vector<HostEvent> RegionTable::take_events() { return std::exchange(events_, {}); }
 
-std::vector<bus::HostStatus> RegionTable::statuses(Time now) const {
+std::vector<bus::HostStatus> RegionTable::statuses(const std::vector<bool>& is_connected,
+                                                   Time now) const {
+    const bool is_idle = orders_.empty() || now - begun_ > 2 * patience_;
     std::vector<bus::HostStatus> statuses;
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
         bus::HostStatus status;
         status.name = names_[i].name;
         const bool is_overdue = waits_until(hosts_[i]) && now - begun_ > patience_ / 2;
         status.state = is_overdue ? bus::HostState::kMissing : hosts_[i].state;
+        // of one that DDS found since the last order nothing is known but that it is there
+        const bool is_found = is_connected[i] && !hosts_[i].is_connected;
+        if (is_idle && !is_connected[i]) status.state = bus::HostState::kMissing;
+        if (is_idle && is_found) status.state = bus::HostState::kInUse;
         status.num_regions = static_cast<std::uint32_t>(names_[i].regions.size());
         status.num_left_out = hosts_[i].num_left_out;
         statuses.push_back(std::move(status));

@@ -63,7 +63,8 @@ public:
 
     std::vector<HostEvent> take_events();
     /// A host for which the last order waits for more than half the patience counts as missing.
-    std::vector<bus::HostStatus> statuses(Time now) const;
+    /// While there are no orders, because no camera delivers, DDS decides (`is_connected`).
+    std::vector<bus::HostStatus> statuses(const std::vector<bool>& is_connected, Time now) const;
 
 private:
     struct Order {

@@ -1,5 +1,6 @@
 #include "site_node/hosts/site_hosts.hpp"
 
+#include "core/base/fnv1a.hpp"
 #include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
 #include "core/config/spelling.hpp"
@@ -149,6 +150,17 @@ Expected<void> check_hosts(const std::vector<HostEntry>& hosts,
                 camera.name);
     }
     return {};
+}
+
+std::uint64_t part_fingerprint(const config::Rig& rig, const HostEntry& host) {
+    Fnv1a hash;
+    hash.add(config::fingerprint(rig));
+    hash.add_rounded(rig.rate_hz);
+    hash.add(std::uint64_t{host.takes_any ? 1U : 0U});
+    std::vector<std::string> cameras = host.cameras;
+    std::ranges::sort(cameras);
+    for (const std::string& camera : cameras) hash.add(camera);
+    return hash.value();
 }
 
 std::vector<std::string> hosts_that_share(const std::vector<HostEntry>& hosts) {

@@ -43,6 +43,10 @@ std::vector<std::string> hosts_that_share(const std::vector<HostEntry>& hosts);
 const HostEntry* host_of_region(const std::vector<HostEntry>& hosts, const std::string& region);
 
 /// Finds the entry of host `name`. Error kConfiguration: names the hosts of the file.
+/// What a camera node must have in common with the model part: rig, rate, and its own `[[host]]`.
+std::uint64_t part_fingerprint(const config::Rig& rig, const HostEntry& host);
+
+/// The host of this name.
 Expected<HostEntry> find_host(const std::vector<HostEntry>& hosts, const std::string& name);
 
 /// The cameras that may hang on `host`: its own, or all that no other host names.

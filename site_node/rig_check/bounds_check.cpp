@@ -59,10 +59,16 @@ std::optional<Finding> check_bounds(const geometry::Aabb& bounds_site,
 }
 
 std::optional<Finding> check_region(const geometry::Aabb& bounds_site,
-                                    std::span<const geometry::CalibratedCamera> cameras) {
-    geometry::Aabb reach;  // as far beyond the cameras as they are apart
+                                    std::span<const geometry::CalibratedCamera> cameras,
+                                    const std::optional<geometry::Aabb>& room_site) {
+    if (room_site && ((bounds_site.max.array() <= room_site->min.array()).any() ||
+                      (bounds_site.min.array() >= room_site->max.array()).any()))
+        return Finding{false,
+                       "its bounds lie outside of [bounds] of the rig: nobody is expected there; "
+                       "they are in metres, in the frame of the site"};
+    geometry::Aabb reach;  // beyond the cameras
     for (const auto& camera : cameras) reach.add(camera.centre_site());
-    const double margin_m = reach.size().norm();
+    const double margin_m = 0.5 * reach.size().norm();
     reach.min.array() -= margin_m;
     reach.max.array() += margin_m;
     std::vector<hull::SilhouetteView> views(cameras.size());

@@ -16,9 +16,11 @@ std::optional<Finding> check_bounds(const geometry::Aabb& bounds_site,
                                     std::span<const geometry::CalibratedCamera> cameras,
                                     double unit_m);
 
-/// Doubts a region of the room [m] in which no point is in the pictures of two cameras, or that is
-/// farther beyond the cameras than they are apart.
+/// Doubts a region of the room [m] that is outside of the `[bounds]` of the rig, in which no point
+/// is in the pictures of two cameras, or that is farther beyond the cameras than half of their
+/// distance.
 std::optional<Finding> check_region(const geometry::Aabb& bounds_site,
-                                    std::span<const geometry::CalibratedCamera> cameras);
+                                    std::span<const geometry::CalibratedCamera> cameras,
+                                    const std::optional<geometry::Aabb>& room_site = {});
 
 }  // namespace atrium::rig_check

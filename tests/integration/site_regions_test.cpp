@@ -77,7 +77,7 @@ TEST_F(SiteWithRegions, HostsWithAnotherRigAreNamed) {
         programs_[host] = value(HostedProcess::start(command));
     }
     EXPECT_TRUE(hull_says("host_left_out host=right", 0)) << hull().output();
-    EXPECT_THAT(hull().output(), HasSubstr("its rig has other cameras, lenses or poses"));
+    EXPECT_THAT(hull().output(), HasSubstr("its rig, its rate or its cameras"));
     EXPECT_TRUE(hull_says(
         "host_left_out host=help regions=1 reason=\"its rig, [hull] or regions differ", 0))
         << hull().output();

@@ -31,7 +31,9 @@ Expected<void> ask_programs(const Options& options, const Wishes& wishes, const 
     for (const Wishes::Reader& asked : wishes.readers) {
         std::vector<std::string> command{
             (options.programs / asked.program).string(), "--config", wishes.file.string()};
-        if (!asked.host.empty()) command.insert(command.end(), {"--host", asked.host});
+        // a site of one process takes no --host: it says so
+        const std::string& host = asked.host.empty() ? options.host : asked.host;
+        if (!host.empty()) command.insert(command.end(), {"--host", host});
         command.insert(command.end(), {"--log-level", "error", "--check"});
         const auto output = system.run(command);
         constexpr int kWrongFile = 2;

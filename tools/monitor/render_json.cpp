@@ -132,6 +132,19 @@ ordered_json coherence_json(const std::optional<bus::RigCoherence>& coherence) {
             {"fault", fault_json(*coherence)}};
 }
 
+ordered_json hosts_json(const std::vector<bus::HostStatus>& hosts) {
+    ordered_json list = ordered_json::array();
+    for (const bus::HostStatus& host : hosts)
+        list.push_back({{"name", host.name},
+                        {"state", status::name_of(host.state)},
+                        {"clock_offset_ms", host.clock_offset_ms},
+                        {"clock_error_ms", host.clock_error_ms},
+                        {"num_cameras", host.num_cameras},
+                        {"num_regions", host.num_regions},
+                        {"num_left_out", host.num_left_out}});
+    return list;
+}
+
 ordered_json alarms_json(const std::vector<Figures::Alarm>& alarms) {
     ordered_json out = ordered_json::array();
     for (const Figures::Alarm& alarm : alarms)
@@ -169,6 +182,7 @@ ordered_json program_json(const ProgramReport& program) {
     for (const Figures::Note& note : program.notes) out["notes"][note.what] = note.text;
     out["cameras"] = cameras_json(program.cameras);
     out["coherence"] = coherence_json(program.coherence);
+    out["hosts"] = hosts_json(program.hosts);
     out["alarms"] = alarms_json(program.alarms);
     out["resident_bytes"] =
         program.has_status ? ordered_json(program.resident_bytes) : ordered_json();

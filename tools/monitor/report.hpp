@@ -95,6 +95,7 @@ struct ProgramReport {
     std::vector<CameraReport> cameras;
     std::optional<bus::StreamState> stream;
     std::optional<bus::RigCoherence> coherence;
+    std::vector<bus::HostStatus> hosts;  // of a site on several
     std::vector<Figures::Alarm> alarms;
     std::vector<Figures::Note> notes;
     std::uint64_t resident_bytes = 0;

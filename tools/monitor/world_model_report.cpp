@@ -60,22 +60,51 @@ void blame_slow_viewers(std::vector<ProgramReport>& programs) {
     }
 }
 
-// Nodes of a site on several hosts whose model part is missing. Their names begin with that of the
+bool is_node(const ProgramReport& program) {
+    return (program.kind == ProgramKind::kCameraNode || program.kind == ProgramKind::kRegionNode) &&
+           program.state != ProgramState::kGone;
+}
+
+// A host that its site misses, although its program is there: it has no pictures yet.
+void excuse(const ProgramReport& node, ProgramReport& site) {
+    if (node.has_status) return;
+    const std::string host = node.name.substr(site.name.size() + 1);
+    for (Figures::Alarm& alarm : site.alarms) {
+        if (!alarm.what.starts_with(fmt::format("host {} is left out: nothing comes", host)))
+            continue;
+        alarm.advice = "it prepares its pictures";
+        alarm.cure = "wait: camera_node runs there, and prepares its pictures";
+    }
+}
+
+// Compares nodes of a site on several hosts with its model part. Their names begin with that of the
 // site.
-void miss_model_parts(std::vector<ProgramReport>& programs) {
+void compare_with_model_parts(std::vector<ProgramReport>& programs) {
     for (ProgramReport& node : programs) {
-        const bool is_node =
-            node.kind == ProgramKind::kCameraNode || node.kind == ProgramKind::kRegionNode;
-        if (!is_node || node.state == ProgramState::kGone || !node.has_status) continue;
-        const bool has_model_part = std::ranges::any_of(programs, [&](const ProgramReport& site) {
-            return site.kind == ProgramKind::kSiteNode && site.state == ProgramState::kPresent &&
-                   node.name.starts_with(site.name + ".");
+        if (!is_node(node)) continue;
+        const auto site = std::ranges::find_if(programs, [&](const ProgramReport& program) {
+            return program.kind == ProgramKind::kSiteNode &&
+                   program.state == ProgramState::kPresent &&
+                   node.name.starts_with(program.name + ".");
         });
-        if (!has_model_part)
-            node.alarms.push_back({"the model part of its site is missing",
-                                   "is site_node running there?",
-                                   "start site_node on the host with model = true, and check its "
-                                   "network"});
+        if (site == programs.end()) {
+            if (node.has_status)
+                node.alarms.push_back({"the model part of its site is missing",
+                                       "is site_node running there?",
+                                       "start site_node on the host with model = true, and check "
+                                       "its network"});
+            continue;
+        }
+        excuse(node, *site);
+        const std::string host = node.name.substr(site->name.size() + 1);
+        const bool is_named =
+            std::ranges::find(site->hosts, host, &bus::HostStatus::name) != site->hosts.end();
+        if (site->has_status && !is_named)
+            node.alarms.push_back(
+                {"the file of its site's model part does not name this host",
+                 "use one file on all hosts",
+                 "copy the site's file from the host of the model part, and start "
+                 "the programs there anew"});
     }
 }
 
@@ -166,6 +195,7 @@ void WorldModel::put_figures(const Program& program, ProgramReport& out) {
     out.stream = now.stream;
     out.coherence = now.coherence;
     out.alarms = now.alarms;
+    out.hosts = now.hosts;
     out.notes = now.notes;
     out.resident_bytes = now.resident_bytes;
     out.processor = now.processor;
@@ -252,7 +282,7 @@ Report WorldModel::report(Clock::time_point now, Timestamp time) {
     for (const auto& [key, program] : programs_)
         report.programs.push_back(report_of(key, program, now, time));
     blame_slow_viewers(report.programs);
-    miss_model_parts(report.programs);
+    compare_with_model_parts(report.programs);
     for (const auto& [key, stream] : streams_)
         report.streams.push_back(report_of(key, stream, now));
     report.notices.assign(report_notices_.begin(), report_notices_.end());

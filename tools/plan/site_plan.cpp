@@ -120,13 +120,14 @@ void find_problems(const HostPlan& host, double rate_hz, std::vector<std::string
         const double fits_hz = rate_hz * kMostUsed / host.load;
         problems.push_back(fmt::format(
             "host {}: its work takes {:.0f} % of its {} cores; {:.0f} % may be used. Give it {} "
-            "cores, fewer cameras, or capture.rate_hz = {:.2g}",
+            "cores, fewer cameras, or capture.rate_hz = {}",
             host.name,
             100.0 * host.load,
             host.cores,
             100.0 * kMostUsed,
             static_cast<int>(std::ceil(host.cores * host.load / kMostUsed)),
-            fits_hz >= 1.0 ? std::floor(fits_hz) : fits_hz));
+            fits_hz >= 1.0 ? fmt::format("{:.0f}", std::floor(fits_hz))
+                           : fmt::format("{:.2g}", fits_hz)));
     }
     const double period_ms = 1e3 / rate_hz;
     for (const Stage& stage : host.stages) {

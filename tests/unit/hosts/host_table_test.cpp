@@ -84,7 +84,7 @@ TEST_F(HostTableTest, AHostWithAnotherRigIsLeftOut) {
     EXPECT_TRUE(frames.empty());
     EXPECT_EQ(state(0), HostState::kOtherRig);
     EXPECT_THAT(events(),
-                HasSubstr("host_left_out host=left cameras=\"a b\" reason=\"its rig has"));
+                HasSubstr("host_left_out host=left cameras=\"a b\" reason=\"its rig, its"));
     EXPECT_FALSE(see("left", 0).empty());  // started anew, with ours
     EXPECT_EQ(state(0), HostState::kInUse);
 }

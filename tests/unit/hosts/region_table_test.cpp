@@ -54,8 +54,11 @@ protected:
     bus::FrameKey key(std::uint64_t frame) const {
         return {frame, {kRun_ns + static_cast<std::int64_t>(frame)}};
     }
+    std::vector<bus::HostStatus> statuses() const {
+        return table_.statuses(std::vector<bool>(is_there_.begin(), is_there_.end()), now_);
+    }
     bool waits() const { return table_.waits_until(now_).has_value(); }
-    HostState state(std::size_t host) const { return table_.statuses(now_)[host].state; }
+    HostState state(std::size_t host) const { return statuses()[host].state; }
 
     RegionTable table_{{{"east", {0}}, {"west", {1, 2}}}, kRegionPeriod};
     std::array<bool, 2> is_there_{};
@@ -71,8 +74,8 @@ TEST_F(RegionTableTest, WaitsForAllHostsFromTheFirstOrderOn) {
     EXPECT_EQ(state(0), HostState::kInUse);
     EXPECT_EQ(state(1), HostState::kInUse);
     EXPECT_THAT(log_, HasSubstr("host_in_use host=west regions=2"));
-    EXPECT_EQ(table_.statuses(now_)[1].num_regions, 2u);
-    EXPECT_EQ(table_.statuses(now_)[1].num_left_out, 0u);
+    EXPECT_EQ(statuses()[1].num_regions, 2u);
+    EXPECT_EQ(statuses()[1].num_left_out, 0u);
 }
 
 TEST_F(RegionTableTest, AHostThatDiesCostsOneWait) {
@@ -86,7 +89,7 @@ TEST_F(RegionTableTest, AHostThatDiesCostsOneWait) {
     EXPECT_EQ(order(5ms, {}), 5ms);
     EXPECT_EQ(state(1), HostState::kMissing);
     EXPECT_THAT(log_, HasSubstr("host_left_out host=west regions=2 reason=\"nothing comes"));
-    EXPECT_EQ(table_.statuses(now_)[1].num_left_out, 22u);
+    EXPECT_EQ(statuses()[1].num_left_out, 22u);
     // found again: waited for at once
     EXPECT_EQ(order(5ms, 30ms), 30ms);
     EXPECT_EQ(state(1), HostState::kInUse);
@@ -122,7 +125,7 @@ TEST_F(RegionTableTest, AHostWithAnotherRigIsNamedAndNobodyWaitsForIt) {
     table_.end(now_);
     EXPECT_EQ(state(1), HostState::kOtherRig);
     EXPECT_THAT(table_.why_without_answer(1), HasSubstr("rig"));
-    EXPECT_EQ(table_.statuses(now_)[1].num_left_out, 1u);
+    EXPECT_EQ(statuses()[1].num_left_out, 1u);
     EXPECT_EQ(order(5ms, {}), 5ms);
     EXPECT_THAT(log_, HasSubstr("host_left_out host=west regions=2 reason=\"its rig, [hull]"));
     // started anew with the right file
@@ -163,7 +166,7 @@ TEST_F(RegionTableTest, NobodyWaitsForAnOrderThatDidNotLeave) {
     EXPECT_FALSE(waits());
     table_.end(now_ + 5ms);
     EXPECT_EQ(state(1), HostState::kInUse);  // it is not its fault
-    EXPECT_EQ(table_.statuses(now_)[1].num_left_out, 1u);
+    EXPECT_EQ(statuses()[1].num_left_out, 1u);
 }
 
 TEST_F(RegionTableTest, NobodyWaitsForAProgramThatEnds) {
@@ -196,6 +199,20 @@ TEST_F(RegionTableTest, AHostThatDoesNotAnswerGetsFewOrders) {
     order(5ms, 5ms);  // this one may not have got an order
     for (int i = 0; i < 13 && state(1) != HostState::kInUse; ++i) order(5ms, 5ms);
     EXPECT_EQ(state(1), HostState::kInUse);
+}
+
+// While no camera delivers there are no orders, and no reason to call anybody missing.
+TEST_F(RegionTableTest, WithoutOrdersAHostIsThereIfItIsConnected) {
+    EXPECT_EQ(state(0), HostState::kMissing);
+    is_there_ = {true, false};
+    EXPECT_EQ(state(0), HostState::kInUse);
+    EXPECT_EQ(state(1), HostState::kMissing);
+    is_there_ = {true, true};
+    order(5ms, 5ms);
+    now_ += 10s;
+    EXPECT_EQ(state(1), HostState::kInUse);
+    is_there_ = {true, false};
+    EXPECT_EQ(state(1), HostState::kMissing);
 }
 
 // One metaframe a second: an answer would be too old when the next one looks for it.

@@ -107,6 +107,26 @@ TEST(SiteHosts, NamesWhatIsWrongAndWhere) {
                 HasSubstr("did you mean host[0].cameras?"));
 }
 
+TEST(SiteHosts, TheFingerprintOfAPartCoversRigRateAndOwnCameras) {
+    const auto hosts = read(kGood);
+    ASSERT_TRUE(hosts);
+    config::Rig rig = rig_of(4);
+    rig.rate_hz = 30.0;
+    HostEntry left = (*hosts)[0];
+    const std::uint64_t before = part_fingerprint(rig, left);
+    left.cores = 8;
+    std::ranges::reverse(left.cameras);
+    EXPECT_EQ(part_fingerprint(rig, left), before);
+    left.cameras.pop_back();
+    EXPECT_NE(part_fingerprint(rig, left), before);
+    config::Rig other = rig;
+    other.rate_hz = 25.0;
+    EXPECT_NE(part_fingerprint(other, (*hosts)[0]), before);
+    other = rig;
+    other.cameras[1].intrinsics.fx += 1.0;
+    EXPECT_NE(part_fingerprint(other, (*hosts)[0]), before);
+}
+
 TEST(SiteHosts, RegionsOfTheModelPartAreOnNoOtherHost) {
     const auto hosts = read(R"(
 [[host]]

@@ -328,23 +328,31 @@ TEST_F(Model, MemoryStaysBounded) {
     EXPECT_EQ(program("lab").state, ProgramState::kPresent);
 }
 
-TEST_F(Model, NamesAMissingModelPartAtTheNodesOfItsSite) {
+TEST_F(Model, ComparesTheNodesOfASiteWithItsModelPart) {
+    const bus::HostStatus missing{.name = "north"};
+    bus::SiteStatus status = site_status(0, 0);
+    status.hosts = {missing};
+    const bus::Presence site = presence(ProgramKind::kSiteNode, "lab", 1);
+    model_.see(site, now_);
+    model_.see(status, now_);
+    ASSERT_EQ(program("lab").alarms.size(), 1u);
+    EXPECT_THAT(program("lab").alarms[0].cure, HasSubstr("start camera_node on that host"));
+    model_.see(presence(ProgramKind::kCameraNode, "lab.north", 2), now_);
+    EXPECT_THAT(program("lab").alarms[0].cure, HasSubstr("prepares its pictures"));
     bus::CameraNodeStatus cameras;
     cameras.site = "lab";
     cameras.host = "north";
     cameras.time = kStart;
-    model_.see(presence(ProgramKind::kCameraNode, "lab.north", 2), now_);
     model_.see(cameras, now_);
-    bus::Presence site = presence(ProgramKind::kSiteNode, "lab", 1);
-    model_.see(site, now_);
-    model_.see(site_status(0, 0), now_);
+    EXPECT_THAT(program("lab").alarms[0].cure, HasSubstr("start camera_node on that host"));
     EXPECT_THAT(program("lab.north").alarms, IsEmpty());
+    model_.see(presence(ProgramKind::kRegionNode, "lab.south", 3), now_);
+    ASSERT_EQ(program("lab.south").alarms.size(), 1u);
+    EXPECT_THAT(program("lab.south").alarms[0].what, HasSubstr("does not name this host"));
     model_.gone(site, Ending::kLost, now_);
-    model_.see(presence(ProgramKind::kSiteNode, "hall", 3), now_);
+    model_.see(presence(ProgramKind::kSiteNode, "hall", 4), now_);
     ASSERT_EQ(program("lab.north").alarms.size(), 1u);
     EXPECT_EQ(program("lab.north").alarms[0].what, "the model part of its site is missing");
-    model_.see(presence(ProgramKind::kSiteNode, "lab", 4), now_);
-    EXPECT_THAT(program("lab.north").alarms, IsEmpty());
 }
 
 TEST_F(Model, NoticesExpireAfterAMinute) {

@@ -180,6 +180,13 @@ TEST(CheckRegion, DoubtsOneThatTheCamerasDoNotReach) {
     const auto rig = test::make_ring_rig({.radius_m = 3.0});
     EXPECT_FALSE(check_region({{-0.5, -0.5, 0.0}, {0.5, 0.5, 2.0}}, rig));
     EXPECT_FALSE(check_region({{-8.0, -8.0, 0.0}, {8.0, 8.0, 2.0}}, rig)) << "larger than the room";
+    const geometry::Aabb room{{-1.5, -1.5, 0.0}, {1.5, 1.5, 2.4}};
+    const geometry::Aabb beside{{1.6, -1.0, 0.0}, {2.6, 1.0, 2.0}};
+    EXPECT_FALSE(check_region(beside, rig));
+    const auto outside = check_region(beside, rig, room);
+    ASSERT_TRUE(outside);
+    EXPECT_THAT(outside->text, HasSubstr("outside of [bounds] of the rig"));
+    EXPECT_FALSE(check_region({{0.0, -1.0, 0.0}, {2.6, 1.0, 2.0}}, rig, room));
     const auto far = check_region({{40.0, -2.0, 0.0}, {44.0, 2.0, 3.0}}, rig);
     ASSERT_TRUE(far);
     EXPECT_THAT(far->text, HasSubstr("outside the room"));

@@ -46,13 +46,17 @@ TEST(StageTimes, NameTheStageWithMostWork) {
     StageTimes times;
     EXPECT_FALSE(times.largest_work());
     SiteFrame frame;
-    frame.milliseconds.hull = 10.0;
-    frame.work_milliseconds = {.segmentation = 30.0, .polygons = 2.0, .mesh = 5.0, .textures = 3.0};
+    frame.work_milliseconds = {
+        .segmentation = 30.0, .polygons = 2.0, .hull = 10.0, .mesh = 5.0, .textures = 3.0};
     times.computed(frame);
     const auto work = times.largest_work();
     ASSERT_TRUE(work);
     EXPECT_EQ(work->name, "segmentation");
     EXPECT_DOUBLE_EQ(work->share, 0.6);
+    EXPECT_FALSE(work->is_wait);
+    frame.work_milliseconds.waiting = 50.0;
+    times.computed(frame);
+    EXPECT_TRUE(times.largest_work()->is_wait);
     EXPECT_FALSE(times.largest_work()) << "of the time since the last call only";
 }
 
@@ -70,6 +74,12 @@ TEST(OverloadAdvice, NamesStageThreadsAndRate) {
     EXPECT_EQ(overload_advice(overload, Cause::kWork),
               "60/s asked, 0.9 done: segmentation takes 70 % of the work; use fewer or smaller "
               "pictures, or set capture.rate_hz = 0.8");
+    Overload waiting = overload;
+    waiting.largest_work = {"waiting for hosts of regions", 0.9, true};
+    EXPECT_NE(
+        overload_advice(waiting, Cause::kMachine)
+            .find("waiting for hosts of regions takes 90 % of the work; give them fewer regions"),
+        std::string::npos);
     EXPECT_EQ(overload_advice(overload, Cause::kStoodStill), "");
 }
 
