@@ -50,12 +50,11 @@ Expected<std::uint32_t> find_camera(std::span<const geometry::CalibratedCamera> 
 }
 
 Expected<void> check_count(std::size_t num_cameras, const HullStageOptions& options) {
-    const bool bounded = options.bounds || !options.regions.empty();
-    const std::size_t most = hull::kMaxViews - (bounded ? hull::kViewsOfBounds : 0);
+    const std::size_t most = hull::kMaxViews - (options.bounds ? hull::kViewsOfBounds : 0);
     if (num_cameras > most) {
         return wrong(
             options,
-            options.regions.empty() ? "hull.bounds" : "hull.region[0].bounds",
+            "hull.bounds",
             fmt::format("at most {} cameras are possible with bounds, got {}", most, num_cameras));
     }
     if (options.min_views > num_cameras) {
@@ -171,6 +170,13 @@ Expected<void> HullStage::add_regions(std::span<const geometry::CalibratedCamera
         }
         if (region.cameras.empty()) {
             for (std::uint32_t i = 0; i < cameras.size(); ++i) indices.push_back(i);
+        }
+        constexpr std::size_t kMost = hull::kMaxViews - hull::kViewsOfBounds;
+        if (indices.size() > kMost) {
+            return wrong(
+                options,
+                key,
+                fmt::format("a region has at most {} cameras, got {}", kMost, indices.size()));
         }
         if (indices.size() < min_delivered_) {
             return wrong(

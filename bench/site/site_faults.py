@@ -283,7 +283,7 @@ def measure(site, name, host):
         "all_cameras_ms": 1e3 * (full - end),
         "own_start_ms": None if own_start is None else 1e3 * own_start,
         "longest_gap_ms": 1e3 * max(b - a for a, b in zip(times, times[1:])),
-        "metaframes_per_s": rate_of(until_full),
+        "metaframes_per_s": max(len(until_full) - 1, 0) / (full - begin),
         "fewest_cameras": min((mesh[1] for mesh in until_full), default=0),
         "mixed": sum(mesh[2] > PERIOD_S / 2 for mesh in [*until_full, *after]),
         "named_in_log": None if expected is None else bool(told) == expected,
@@ -291,11 +291,6 @@ def measure(site, name, host):
         "named_in_monitor": None if expected is None or name == "killed_and_restarted_at_once" else shown == expected,
         "told": [re.sub(r"^.*?(?=host_left_out)", "", line) for line in told],
     }
-
-
-def rate_of(meshes):
-    """Between the first and the last of them."""
-    return (len(meshes) - 1) / (meshes[-1][0] - meshes[0][0]) if len(meshes) > 1 else 0.0
 
 
 def text_of(figures):

@@ -71,6 +71,23 @@ TEST(HullStage, AllowsBoundsBesideTheMaximumOfCameras) {
 
 // Bounds cost nothing where they cut nothing, and cut from the first metaframe on in which they
 // must.
+// A hull has at most 64 views, bounds included; a room of 64 cameras has several hulls.
+TEST(HullStage, AllowsRegionsInARoomOfTheMaximumOfCameras) {
+    const auto cameras = atrium::test::make_ring_rig({.num_cameras = 64});
+    HullStageOptions options;
+    options.regions = {{"stage", kRoom, {"cam0", "cam21", "cam42", "cam63"}}};
+    auto stage = HullStage::create(cameras, options, kTolerance_px);
+    ASSERT_TRUE(stage) << stage.error().message;
+    SerialExecutor executor;
+    hull::VisualHull hull;
+    stage->compute(std::vector<std::uint8_t>(64, 1), executor, hull);
+    EXPECT_EQ(hull.status, hull::HullStatus::kEmptyIntersection);
+    options.regions[0].cameras.clear();
+    EXPECT_THAT(
+        error_of(cameras, options),
+        testing::AllOf(HasSubstr("hull.region[0].cameras"), HasSubstr("62"), HasSubstr("64")));
+}
+
 TEST(HullStage, CutsAtTheBoundsExactlyWhileTheHullReachesOut) {
     const auto rig = atrium::test::make_ring_rig({.num_cameras = 6});
     HullStageOptions with;
