@@ -211,7 +211,7 @@ fs::path FakeHost::install() {
     for (const char* unit : {"atrium-site@.service", "atrium-world.service"})
         write(std::string("/lib/systemd/system/") + unit, "");
     write("/lib/udev/rules.d/60-atrium-cameras.rules", "");
-    write("/var/lib/dpkg/info/atrium-common.list", "");
+    write("/usr/share/doc/atrium-common/copyright", "");
     write("/etc/group",
           "root:x:0:\nplugdev:x:46:lab\natrium:x:" + std::to_string(getegid()) + ":\n");
     write_site();

@@ -159,7 +159,7 @@ std::vector<Fault> program_faults() {
              "program_missing",
              [](FakeHost& host, Options& options) {
                  host.install();
-                 host.remove("/var/lib/dpkg");
+                 host.remove("/usr/share/doc/atrium-common");
                  std::filesystem::remove(host.programs() / "world_server");
                  options.roles = Roles{.world = true};
              },

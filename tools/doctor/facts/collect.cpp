@@ -68,7 +68,7 @@ PackageFacts collect_packages(const System& system, const Request& request, cons
     // not an installation by hand, which lies there too
     facts.has_programs = !request.programs.empty() &&
                          is_below(request.programs, system.at("/usr/lib/atrium/bin")) &&
-                         system.exists("/var/lib/dpkg/info/atrium-common.list");
+                         system.exists("/usr/share/doc/atrium-common/copyright");
     const std::string unit = roles.site ? "atrium-site@.service" : "atrium-world.service";
     const auto& file = request.wishes.file;
     facts.runs_file = !file.empty() && (roles.site || roles.world) &&
