@@ -1,6 +1,7 @@
 #include "site_node/pipeline.hpp"
 
 #include "core/base/resize_keeping.hpp"
+#include "site_node/remote_results.hpp"
 
 #include <fmt/format.h>
 
@@ -16,56 +17,6 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds_between(Clock::time_point begin, Clock::time_point end) {
     return std::chrono::duration<double, std::milli>(end - begin).count();
-}
-
-// Without any mesh: an error if all hulls failed. An empty intersection is a valid answer: nobody
-// is there. `has_own`: this host computes a hull.
-Expected<void> failure_without_mesh(const SiteFrame& frame, bool has_own) {
-    if (!frame.draco.empty()) return {};
-    const hull::HullStatus status = frame.hull.status;
-    if (status != hull::HullStatus::kOk && status != hull::HullStatus::kEmptyIntersection)
-        return make_error(ErrorKind::kInvalidData,
-                          fmt::format("no hull: {}", hull::to_string(status)));
-    if (has_own) return {};
-    std::string reasons;
-    for (const bus::RegionMeshes& remote : frame.remote) {
-        const bool is_empty = std::ranges::any_of(remote.regions, [](const bus::RegionHull& hull) {
-            return hull.outcome == bus::RegionOutcome::kNobody;
-        });
-        if (is_empty) return {};
-        if (!remote.reason.empty())
-            reasons += fmt::format(
-                "{}host {}: {}", reasons.empty() ? "" : "; ", remote.host, remote.reason);
-    }
-    if (!reasons.empty()) return make_error(ErrorKind::kInvalidData, "no hull: " + reasons);
-    return {};
-}
-
-// Adds the counts of regions that another host computed.
-void add(const bus::RegionMeshes& remote, SiteFrame& frame) {
-    const bus::LeftOutTotals& left_out = remote.left_out;
-    frame.losses.phantoms += static_cast<std::uint32_t>(left_out.num_phantoms);
-    frame.losses.fragments += static_cast<std::uint32_t>(left_out.num_fragments);
-    frame.losses.dropped_l += left_out.dropped_l;
-    frame.losses.contours_dropped += static_cast<std::uint32_t>(left_out.num_contours_dropped);
-    frame.losses.contours_repaired += static_cast<std::uint32_t>(left_out.num_contours_repaired);
-    frame.losses.regions_failed += static_cast<std::uint32_t>(left_out.num_regions_failed);
-}
-
-// The hull, with the regions that other hosts computed.
-geometry::TriangleMesh whole_mesh(const SiteFrame& frame) {
-    geometry::TriangleMesh whole = frame.hull.mesh;
-    codec::MeshDecoder decoder;
-    geometry::TriangleMesh part;
-    for (const bus::RegionMeshes& remote : frame.remote) {
-        std::span<const std::uint8_t> left(remote.draco);
-        for (const bus::RegionHull& hull : remote.regions) {
-            // a mesh that viewers cannot read either is left out
-            if (decoder.decode(left.first(hull.num_bytes), {}, part)) geometry::append(whole, part);
-            left = left.subspan(hull.num_bytes);
-        }
-    }
-    return whole;
 }
 
 }  // namespace
