@@ -148,7 +148,11 @@ bus::RegionMeshes RegionHosts::without_answer(std::size_t host) const {
     failed.host = options_.hosts[host].name;
     failed.frame_id = frame_.frame_id;
     failed.capture_time = frame_.capture_time;
-    failed.reason = failures_[host].empty() ? table_.why_without_answer(host) : failures_[host];
+    failed.reason = failures_[host];
+    if (failed.reason.empty()) {
+        const std::lock_guard lock(mutex_);
+        failed.reason = table_.why_without_answer(host);
+    }
     for (const std::uint32_t region : options_.hosts[host].regions)
         failed.regions.push_back({region, bus::RegionOutcome::kFailed, 0});
     failed.left_out.num_regions_failed = failed.regions.size();
