@@ -71,6 +71,9 @@ private:
     std::shared_ptr<Impl> impl_;
 };
 
+template <typename Message>
+class RawTopicOf;  // raw_samples.cpp
+
 /// Publishes one topic. `Message` is any topic struct of messages.hpp. Thread-safe.
 template <typename Message>
 class Writer {
@@ -90,6 +93,7 @@ public:
     int num_readers() const;
 
 private:
+    friend class RawTopicOf<Message>;
     struct Impl;
     std::shared_ptr<Impl> impl_;
 };
@@ -135,6 +139,7 @@ public:
 
 private:
     friend class Waiter;
+    friend class RawTopicOf<Message>;
     struct Impl;
     std::shared_ptr<Impl> impl_;
 };

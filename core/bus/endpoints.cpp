@@ -1,19 +1,11 @@
 #include "core/bus/endpoints.hpp"
 
 #include "core/bus/checks.hpp"
-
-#include <algorithm>
-#include <array>
-#include <limits>
+#include "core/bus/loan.hpp"
 
 namespace atrium::bus {
 
 namespace {
-
-constexpr std::size_t kTakeBatch = 32;
-// Bounds a take of 8192 samples, the most that any profile lets a reader hold. A take thus ends
-// even if samples arrive as fast as they are taken.
-constexpr std::size_t kMaxBatchesPerTake = 256;
 
 template <typename Message>
 Expected<Entity> create_topic(const Participant::Impl& participant) {
@@ -23,34 +15,6 @@ Expected<Entity> create_topic(const Participant::Impl& participant) {
                                 nullptr,
                                 nullptr),
                fmt::format("topic {}", Topic<Message>::kName));
-}
-
-/// Takes samples on loan from Cyclone. Returns them at the end of the scope, exceptions included.
-class Loan {
-public:
-    explicit Loan(dds_entity_t reader) : reader_(reader) {
-        num_samples_ = dds_take(reader_, samples_.data(), infos_.data(), kTakeBatch, kTakeBatch);
-    }
-    Loan(const Loan&) = delete;
-    Loan& operator=(const Loan&) = delete;
-    ~Loan() {
-        if (num_samples_ > 0) dds_return_loan(reader_, samples_.data(), num_samples_);
-    }
-    int size() const { return num_samples_; }  // negative: an error
-    const void* sample(int i) const { return samples_[static_cast<std::size_t>(i)]; }
-    const dds_sample_info_t& info(int i) const { return infos_[static_cast<std::size_t>(i)]; }
-
-private:
-    dds_entity_t reader_;
-    std::array<void*, kTakeBatch> samples_{};  // null at [0] asks for a loan
-    std::array<dds_sample_info_t, kTakeBatch> infos_{};
-    int num_samples_ = 0;
-};
-
-// Clamps the time, which is untrusted: differences of two times must not overflow.
-Timestamp when_written(const dds_sample_info_t& info) {
-    constexpr dds_time_t kLast = std::numeric_limits<dds_time_t>::max() / 2;
-    return {std::clamp<dds_time_t>(info.source_timestamp, 0, kLast)};
 }
 
 void reject(TakeReport& report, const Error& why) {
@@ -229,10 +193,7 @@ TakeReport Reader<Message>::take_written(
                     reject(report, message.error());
                 }
             }
-            // The last sample and the end of its writer can arrive as one, with valid data. The
-            // instance state is the current one. Rank 0 is the instance's last sample in this
-            // batch.
-            if (info.instance_state == DDS_ALIVE_INSTANCE_STATE || info.sample_rank != 0) continue;
+            if (!is_end_of_instance(info)) continue;
             impl_->deadlines->gone(info.instance_handle);
             if (const auto key = key_from_wire<Message>(wire)) {
                 const bool is_disposed =

@@ -68,6 +68,8 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"core/bus/", {"core/base/", "core/geometry/", "core/image/", "core/config/"}},
     {"core/status/", {"core/base/", "core/bus/", "core/geometry/"}},
     {"core/app/", {"core/base/", "core/config/"}},
+    {"core/mcap/", {"core/base/"}},
+    {"core/recording/", {"core/base/", "core/geometry/", "core/bus/", "core/mcap/"}},
     {"core/presence/", {"core/base/", "core/bus/", "core/app/"}},
     {"simulation/",
      {"core/base/", "core/geometry/", "core/image/", "core/gl/", "core/config/", "core/model/"}},

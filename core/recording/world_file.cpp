@@ -1,0 +1,135 @@
+#include "core/recording/world_file.hpp"
+
+#include "core/bus/messages.hpp"
+#include "core/recording/topic_roles.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace atrium::recording {
+namespace {
+
+constexpr std::size_t kMaxKeptBytes = std::size_t{512} << 20U;
+
+const mcap::Metadata* own_metadata(const mcap::File& file) {
+    const auto& all = file.contents().metadata;
+    const auto own = std::ranges::find(all, "atrium", &mcap::Metadata::name);
+    return own == all.end() ? nullptr : &*own;
+}
+
+std::string entry(const mcap::File& file, const std::string& key) {
+    const mcap::Metadata* const metadata = own_metadata(file);
+    if (metadata == nullptr) return {};
+    const auto found = metadata->entries.find(key);
+    return found == metadata->entries.end() ? "" : found->second;
+}
+
+RecordedChannel channel_named(std::string_view topic) {
+    RecordedChannel channel;
+    if (topic.ends_with("/disposed")) channel.kind = bus::RawKind::kDisposed;
+    if (topic.ends_with("/lost")) channel.kind = bus::RawKind::kLost;
+    channel.topic = bus::find_raw_topic(topic.substr(0, topic.find('/')));
+    return channel;
+}
+
+}  // namespace
+
+Expected<std::shared_ptr<const WorldFile>> WorldFile::open(const std::filesystem::path& path) {
+    auto file = mcap::File::open(path);
+    if (!file) return tl::unexpected(file.error());
+    std::shared_ptr<WorldFile> world(new WorldFile(std::move(*file)));
+    if (auto read = world->read_channels(); !read) return tl::unexpected(read.error());
+    world->read_kept();
+    return world;
+}
+
+std::string WorldFile::world() const {
+    const std::string name = entry(file_, "world");
+    return name.empty() ? "atrium" : name;
+}
+
+std::string WorldFile::version() const { return entry(file_, "version"); }
+
+Expected<void> WorldFile::read_channels() {
+    const mcap::Contents& contents = file_.contents();
+    std::set<std::string> foreign;
+    bool has_any = false;
+    for (const auto& [id, channel] : contents.channels) {
+        RecordedChannel known = channel_named(channel.topic);
+        if (channel.message_encoding != "cdr") known.topic = nullptr;
+        has_any = has_any || known.topic != nullptr;
+        channels_[id] = known;
+        const auto schema = contents.schemas.find(channel.schema);
+        const bool is_ours = schema != contents.schemas.end() && schema->second.data == bus::kIdl;
+        if (known.topic != nullptr && !is_ours) foreign.insert(std::string(known.topic->name()));
+    }
+    if (!has_any) {
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("{}: it is no recording of Atrium: it has none of its topics",
+                                      file_.path().string()));
+    }
+    foreign_topics_.assign(foreign.begin(), foreign.end());
+    begin_ = contents.chunks.front().first;
+    end_ = contents.chunks.front().last;
+    for (const mcap::ChunkIndex& chunk : contents.chunks) {
+        begin_ = std::min(begin_, chunk.first);
+        end_ = std::max(end_, chunk.last);
+    }
+    return {};
+}
+
+// Damaged chunks are left out here; playing them tells.
+void WorldFile::read_kept() {
+    const auto& chunks = file_.contents().chunks;
+    std::size_t num_bytes = 0;
+    std::set<std::string> sites;
+    std::map<std::string, RecordedProgram> programs;
+    for (std::size_t i = 0; i < chunks.size() && num_bytes < kMaxKeptBytes; ++i) {
+        const auto& indexes = chunks[i].message_indexes;  // none: it has to be looked into
+        const bool may_have = indexes.empty() || std::ranges::any_of(indexes, [&](const auto& one) {
+                                  const RecordedChannel known = channel(one.first);
+                                  return known.topic != nullptr && is_kept(*known.topic);
+                              });
+        if (!may_have) continue;
+        auto read = file_.read(i);
+        if (!read) continue;
+        const auto chunk = std::make_shared<const mcap::Chunk>(std::move(*read));
+        for (const mcap::Message& message : chunk->messages) {
+            const RecordedChannel known = channel(message.channel);
+            if (known.topic == nullptr || !is_kept(*known.topic)) continue;
+            const bus::RawSample raw{known.kind, message.publish_time, message.data};
+            auto key = known.topic->key_of(raw);
+            if (!key) continue;  // refused when it is played
+            if (known.topic->name() == "SiteDescription") sites.insert(*key);
+            if (known.topic->name() == "Presence" && known.kind == bus::RawKind::kSample) {
+                if (const auto program = bus::from_raw<bus::Presence>(raw))
+                    programs[*key] = {
+                        program->kind, program->name, program->host, program->version};
+            }
+            num_bytes += message.data.size() + sizeof(Kept);
+            kept_.push_back({{message.log_time, known.topic, raw, chunk}, std::move(*key)});
+        }
+    }
+    std::ranges::stable_sort(kept_, {}, [](const Kept& kept) { return kept.sample.time; });
+    sites_.assign(sites.begin(), sites.end());
+    for (auto& [key, program] : programs) programs_.push_back(std::move(program));
+}
+
+std::map<std::string, std::uint64_t> WorldFile::num_samples() const {
+    std::map<std::string, std::uint64_t> nums;
+    for (const auto& [id, num] : file_.contents().num_messages) {
+        const RecordedChannel known = channel(id);
+        if (known.topic != nullptr && known.kind == bus::RawKind::kSample)
+            nums[std::string(known.topic->name())] += num;
+    }
+    return nums;
+}
+
+RecordedChannel WorldFile::channel(std::uint16_t id) const {
+    const auto found = channels_.find(id);
+    return found == channels_.end() ? RecordedChannel{} : found->second;
+}
+
+}  // namespace atrium::recording

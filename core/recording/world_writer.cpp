@@ -1,0 +1,152 @@
+#include "core/recording/world_writer.hpp"
+
+#include "core/recording/topic_roles.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace atrium::recording {
+namespace {
+
+constexpr std::size_t kKeptLane = 0;
+constexpr std::size_t kOtherLane = 1;
+constexpr std::size_t kNumLanes = 2;
+constexpr std::size_t kChunkBytes = std::size_t{4} << 20U;
+constexpr std::size_t kMaxKept = 100'000;  // instances, of hostile programs
+
+constexpr std::string_view kNoteSchema =
+    R"({"type":"object","properties":{"num_samples":{"type":"integer"},)"
+    R"("num_dropped":{"type":"integer"},"dropped":{"type":"object"},)"
+    R"("num_rejected":{"type":"integer"},"waiting_bytes":{"type":"integer"}}})";
+
+std::string channel_name(const bus::RawTopic& topic, bus::RawKind kind) {
+    const std::string name(topic.name());
+    if (kind == bus::RawKind::kDisposed) return name + "/disposed";
+    return kind == bus::RawKind::kLost ? name + "/lost" : name;
+}
+
+}  // namespace
+
+std::filesystem::path part_name(const std::filesystem::path& file, std::size_t part) {
+    if (part <= 1) return file;
+    std::filesystem::path name = file.stem();
+    name += fmt::format("-{}", part);
+    name += file.extension();
+    return file.parent_path() / name;
+}
+
+Expected<WorldWriter> WorldWriter::create(WriterOptions options) {
+    WorldWriter writer(std::move(options));
+    if (auto begun = writer.begin_file(Timestamp::now()); !begun)
+        return tl::unexpected(begun.error());
+    return writer;
+}
+
+Expected<void> WorldWriter::begin_file(Timestamp time) {
+    const std::filesystem::path file = part_name(options_.file, files_.size() + 1);
+    auto out = mcap::Writer::create(file, kNumLanes);
+    if (!out) return tl::unexpected(out.error());
+    out_.emplace(std::move(*out));
+    files_.push_back(file);
+    schemas_.clear();
+    channels_.clear();
+    notes_.reset();
+    sequences_.clear();
+    lanes_.assign(kNumLanes, {});
+    file_begin_ = time;
+    mcap::Metadata metadata;
+    metadata.name = "atrium";
+    metadata.entries = {{"world", options_.world},
+                        {"host", options_.host},
+                        {"version", options_.version},
+                        {"part", std::to_string(files_.size())}};
+    return out_->add(std::move(metadata));
+}
+
+Expected<std::uint16_t> WorldWriter::channel_of(const bus::RawTopic& topic, bus::RawKind kind) {
+    if (const auto found = channels_.find({&topic, kind}); found != channels_.end())
+        return found->second;
+    auto schema = schemas_.find(topic.type_name());
+    if (schema == schemas_.end()) {
+        const auto added = out_->add(
+            mcap::Schema{std::string(topic.type_name()), "omgidl", std::string(bus::kIdl)});
+        if (!added) return added;
+        schema = schemas_.emplace(topic.type_name(), *added).first;
+    }
+    const auto channel =
+        out_->add(mcap::Channel{schema->second, channel_name(topic, kind), "cdr", {}});
+    if (channel) channels_[{&topic, kind}] = *channel;
+    return channel;
+}
+
+Expected<void> WorldWriter::put(const Recorded& sample, Timestamp time) {
+    const auto channel = channel_of(*sample.topic, sample.kind);
+    if (!channel) return tl::unexpected(channel.error());
+    const std::size_t lane = is_kept(*sample.topic) ? kKeptLane : kOtherLane;
+    out_->write(lane, {*channel, sequences_[*channel]++, time, sample.written, sample.cdr});
+    if (!lanes_[lane].since) lanes_[lane].since = std::chrono::steady_clock::now();
+    if (out_->lane_bytes(lane) < kChunkBytes) return {};
+    lanes_[lane].since.reset();
+    return out_->flush(lane);
+}
+
+Expected<void> WorldWriter::write(const Recorded& sample) {
+    if (auto cut = cut_if_due(sample.time); !cut) return cut;
+    if (is_kept(*sample.topic)) {
+        const auto key = sample.topic->key_of({sample.kind, sample.written, sample.cdr});
+        if (!key) return {};  // it cannot have come from a reader
+        if (sample.kind != bus::RawKind::kSample)
+            kept_.erase({sample.topic, *key});
+        else if (kept_.size() < kMaxKept)
+            kept_[{sample.topic, *key}] = sample;
+    }
+    return put(sample, sample.time);
+}
+
+Expected<void> WorldWriter::cut_if_due(Timestamp time) {
+    const bool is_full = options_.cut_bytes > 0 && out_->num_bytes() >= options_.cut_bytes;
+    const bool is_over =
+        options_.cut_after.count() > 0 && file_begin_ && time - *file_begin_ >= options_.cut_after;
+    if (!is_full && !is_over) return {};
+    if (auto done = finish(); !done) return done;
+    bytes_of_former_ += out_->num_bytes();
+    if (auto begun = begin_file(time); !begun) return begun;
+    for (const auto& [key, sample] : kept_) {
+        if (auto done = put(sample, time); !done) return done;
+    }
+    return {};
+}
+
+Expected<void> WorldWriter::note(Timestamp time, const std::string& json) {
+    if (!notes_) {
+        const auto schema =
+            out_->add(mcap::Schema{"atrium.Recorder", "jsonschema", std::string(kNoteSchema)});
+        if (!schema) return tl::unexpected(schema.error());
+        const auto channel = out_->add(mcap::Channel{*schema, "recorder", "json", {}});
+        if (!channel) return tl::unexpected(channel.error());
+        notes_ = *channel;
+    }
+    out_->write(kOtherLane,
+                {*notes_, sequences_[*notes_]++, time, time, std::as_bytes(std::span(json))});
+    if (!lanes_[kOtherLane].since) lanes_[kOtherLane].since = std::chrono::steady_clock::now();
+    return {};
+}
+
+Expected<void> WorldWriter::flush_due(std::chrono::steady_clock::time_point now) {
+    for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
+        auto& since = lanes_[lane].since;
+        if (!since || now - *since < kFlushAfter) continue;
+        since.reset();
+        if (auto done = out_->flush(lane); !done) return done;
+    }
+    return {};
+}
+
+Expected<void> WorldWriter::finish() { return out_->finish(); }
+
+std::uint64_t WorldWriter::num_bytes() const {
+    return bytes_of_former_ + (out_ ? out_->num_bytes() : 0);
+}
+
+}  // namespace atrium::recording
