@@ -75,6 +75,8 @@ if(TARGET graphics_probe) # the doctor asks it whether EGL draws
     install(TARGETS graphics_probe RUNTIME DESTINATION ${atrium_bin} COMPONENT atrium-tools)
 endif()
 atrium_command(plan plan atrium-tools)
+atrium_command(record record atrium-tools)
+atrium_command(play play atrium-tools)
 foreach(name up down status logs)
     atrium_command(${name} site_control atrium-tools)
 endforeach()

@@ -211,8 +211,9 @@ Start start(const ProgramInfo& info,
     for (const auto& entry : options.entries()) {
         const std::string shown_default =
             entry.default_value.empty() ? "none" : entry.default_value;
+        const std::string dashes = entry.alias.size() == 1 ? ",-" : ",--";
         const std::string names =
-            "--" + entry.key + (entry.alias.empty() ? "" : ",--" + entry.alias);
+            "--" + entry.key + (entry.alias.empty() ? "" : dashes + entry.alias);
         auto* option = cli.add_option_function<std::string>(
             names,
             [&given, key = entry.key, implicit_value = entry.implicit_value](
@@ -220,6 +221,13 @@ Start start(const ProgramInfo& info,
             entry.help);
         option->type_name(fmt::format("({}; default {})", entry.type_name, shown_default));
         if (!entry.implicit_value.empty()) option->expected(0, 1);
+        if (entry.key == info.positional) {
+            cli.add_option_function<std::string>(
+                   "FILE",
+                   [&given, key = entry.key](const std::string& text) { given[key] = text; },
+                   "the same as --" + entry.key)
+                ->type_name("");
+        }
     }
     try {
         std::vector<std::string> words = with_declared_names(cli, argc, argv);

@@ -34,6 +34,8 @@ struct ProgramInfo {
     /// What --check looks at besides: all that a start would refuse later, in files that the
     /// options name. Empty: nothing.
     std::function<Expected<void>()> check_files = {};
+    /// The option (its key) that an argument without a name sets; empty: there is none.
+    std::string positional = {};
 };
 
 /// Reads the parts of a configuration file that are not plain options, such as tables of objects.

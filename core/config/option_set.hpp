@@ -58,7 +58,8 @@ public:
                  const std::string& help,
                  std::function<bool(const std::string&)> parse,
                  std::function<std::string()> current);
-    /// Makes `--name` an alias of the last added option on the command line.
+    /// Makes `--name`, or `-n` for one letter, an alias of the last added option on the command
+    /// line.
     void add_alias(const std::string& name);
 
     /// Adds a line to `effective()` for a value that is not an option, because only a file can set

@@ -1,0 +1,25 @@
+#include "core/app/program.hpp"
+#include "tools/record/record.hpp"
+
+int main(int argc, char** argv) {
+    using namespace atrium;
+    const app::StopOnSignal stop;
+    record::RecordConfig config;
+    config::OptionSet options;
+    record::declare(config, options);
+    const app::ProgramInfo info{
+        .name = "record",
+        .summary =
+            "Records all topics of a world into an MCAP file: meshes, textures, states, commands. "
+            "It only listens. `atrium play` and `viewer FILE` show it again.",
+        .examples =
+            "  atrium record -o evening.mcap\n"
+            "  atrium record --world studio --network lan --sites alice -o alice.mcap\n"
+            "  atrium record --cut_mb 1000 --seconds 3600 -o day.mcap\n",
+        .exit_codes = "3 also if nothing came, or the disk is full",
+        .check = [&] { return record::check(config); }};
+    const app::Start start = app::start(info, options, argc, argv);
+    if (!start.go_on) return start.exit_code;
+    const auto done = record::run_record(config, stop.token());
+    return done ? 0 : app::fail(done.error());
+}

@@ -1,0 +1,220 @@
+#include "tools/record/record.hpp"
+
+#include "core/app/lasting_log.hpp"
+#include "core/app/log.hpp"
+#include "core/app/program.hpp"
+#include "core/base/write_check.hpp"
+#include "core/bus/bus_options.hpp"
+#include "core/presence/membership.hpp"
+#include "core/recording/recorder.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <sstream>
+#include <thread>
+
+namespace atrium::record {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kLookPeriod{500};
+constexpr std::chrono::seconds kTellPeriod{10};
+constexpr std::chrono::seconds kAloneAfter{5};
+
+std::set<std::string> split(const std::string& list) {
+    std::set<std::string> parts;
+    std::istringstream stream(list);
+    for (std::string part; std::getline(stream, part, ',');) {
+        if (!part.empty()) parts.insert(part);
+    }
+    return parts;
+}
+
+double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / 1e6; }
+
+recording::RecorderOptions options_of(const RecordConfig& config) {
+    recording::RecorderOptions options;
+    options.writer.file = config.output;
+    if (options.writer.file.empty()) {
+        const std::time_t now =
+            std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+        options.writer.file =
+            fmt::format("{}-{:%Y%m%d-%H%M%S}.mcap", config.bus.world, fmt::localtime(now));
+    }
+    options.writer.world = config.bus.world;
+    options.writer.host = presence::host_name();
+    options.writer.version = app::version();
+    options.writer.cut_bytes = static_cast<std::uint64_t>(config.cut_mb * 1e6);
+    options.writer.cut_after = from_milliseconds(config.cut_s * 1e3);
+    options.sites = split(config.sites);
+    options.topics = split(config.topics);
+    options.buffer_bytes = std::uint64_t{config.buffer_mb} << 20U;
+    options.spare_disk_bytes = std::uint64_t{config.spare_disk_mb} << 20U;
+    return options;
+}
+
+// Tells what goes on, until the recorder ends.
+class Teller {
+public:
+    Teller(const recording::Recorder& recorder, const bus::Participant& participant)
+        : recorder_(recorder), participant_(participant) {}
+
+    void look(Clock::time_point now) {
+        const recording::RecorderCounters counters = recorder_.counters();
+        for (const std::string& line : participant_.take_mismatches()) app::log::warn("{}", line);
+        for (const std::string& line : participant_.take_dds_log()) app::log::warn("{}", line);
+        for (const std::string& site : counters.sites) {
+            if (sites_.insert(site).second) app::log::info("site site={}", site);
+        }
+        if (counters.files.size() > num_files_) {
+            num_files_ = counters.files.size();
+            app::log::info("file file={}", counters.files.back().string());
+        }
+        if (counters.num_dropped > num_dropped_) {
+            slow_.warn("slow",
+                       fmt::format("disk_too_slow dropped={} in_all={} remedy=\"record to a faster "
+                                   "disk, fewer topics (--topics), or raise --buffer_mb\"",
+                                   counters.num_dropped - num_dropped_,
+                                   counters.num_dropped));
+            num_dropped_ = counters.num_dropped;
+        }
+        if (counters.num_samples == 0 && now - begin_ > kAloneAfter && !is_alone_told_) {
+            is_alone_told_ = true;
+            app::log::warn(
+                "nobody_there {}; world, domain and network must be the same in all "
+                "programs; recording begins when somebody comes",
+                participant_.place());
+        }
+        if (now < due_) return;
+        due_ = now + kTellPeriod;
+        app::log::info("recording seconds={:.0f} samples={} mb={:.1f} mb_per_s={:.2f} dropped={}",
+                       std::chrono::duration<double>(now - begin_).count(),
+                       counters.num_samples,
+                       megabytes(counters.file_bytes),
+                       megabytes(counters.file_bytes - told_bytes_) /
+                           std::chrono::duration<double>(kTellPeriod).count(),
+                       counters.num_dropped);
+        told_bytes_ = counters.file_bytes;
+    }
+
+private:
+    const recording::Recorder& recorder_;
+    const bus::Participant& participant_;
+    app::log::LastingLog slow_;
+    Clock::time_point begin_ = Clock::now();
+    Clock::time_point due_ = begin_ + kTellPeriod;
+    std::set<std::string> sites_;
+    std::size_t num_files_ = 0;
+    std::uint64_t num_dropped_ = 0;
+    std::uint64_t told_bytes_ = 0;
+    bool is_alone_told_ = false;
+};
+
+}  // namespace
+
+void declare(RecordConfig& config, config::OptionSet& options) {
+    options.add("output",
+                config.output,
+                "file to write, which ends in .mcap; empty: WORLD-DATE-TIME.mcap here");
+    options.add_alias("o");
+    options.add("sites",
+                config.sites,
+                "sites, \"a,b\", that are recorded, and what belongs to no site; empty: all");
+    options.add("topics",
+                config.topics,
+                "topics, \"SiteMesh,SceneState\", that are recorded; empty: all but PersonProxy, "
+                "which a world server computes only for those who read it");
+    options.add("seconds", config.seconds, "end after this time [s]; 0: at Ctrl-C", {0, 1e9});
+    options.add("cut_mb",
+                config.cut_mb,
+                "begin a new file at this size [MB]; each can be played alone; 0: one file",
+                {0, 1e9});
+    options.add(
+        "cut_s", config.cut_s, "begin a new file after this time [s]; 0: one file", {0, 1e9});
+    options.add("buffer_mb",
+                config.buffer_mb,
+                "memory for samples that wait for the disk [MiB]; what comes when it is full is "
+                "dropped and counted",
+                {1, 65536});
+    options.add("spare_disk_mb",
+                config.spare_disk_mb,
+                "end the recording in order when the disk has less than this free [MiB]",
+                {1, 1e6});
+    bus::declare(config.bus, options);
+}
+
+Expected<void> check(const RecordConfig& config) {
+    if (!config.output.empty() && config.output.extension() != ".mcap") {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("output: '{}': the name must end in .mcap", config.output.string()));
+    }
+    return {};
+}
+
+Expected<void> run_record(const RecordConfig& config, std::stop_token stop) {
+    recording::RecorderOptions options = options_of(config);
+    const std::filesystem::path file = std::filesystem::absolute(options.writer.file);
+    if (auto can =
+            check_folder_writable(file.parent_path(), 2 * options.spare_disk_bytes, "a recording");
+        !can)
+        return can;
+    std::error_code failure;
+    std::filesystem::create_directories(file.parent_path(), failure);
+    auto participant = bus::Participant::create(config.bus);
+    if (!participant) return tl::unexpected(participant.error());
+    app::log::info("{}", participant->network().line);
+    for (const std::string& warning : participant->network().warnings)
+        app::log::warn("{}", warning);
+    auto recorder = recording::Recorder::create(*participant, std::move(options));
+    if (!recorder) return tl::unexpected(recorder.error());
+    const Clock::time_point begin = Clock::now();
+    Expected<void> done;
+    {
+        std::atomic<bool> is_over = false;
+        std::stop_source ending;
+        const std::stop_callback pass_on(stop, [&] { ending.request_stop(); });
+        const std::jthread recording([&] {
+            done = (*recorder)->run(ending.get_token());
+            is_over = true;
+        });
+        Teller teller(**recorder, *participant);
+        while (!is_over && !stop.stop_requested()) {
+            std::this_thread::sleep_for(kLookPeriod);
+            const Clock::time_point now = Clock::now();
+            teller.look(now);
+            if (config.seconds > 0.0 &&
+                std::chrono::duration<double>(now - begin).count() >= config.seconds)
+                break;
+        }
+        ending.request_stop();
+    }
+    const recording::RecorderCounters counters = (*recorder)->counters();
+    std::vector<std::string> files;
+    for (const std::filesystem::path& one : counters.files) files.push_back(one.string());
+    app::log::info(
+        "recorded files={} seconds={:.1f} samples={} mb={:.1f} dropped={} rejected={} "
+        "sites={}",
+        fmt::join(files, ","),
+        std::chrono::duration<double>(Clock::now() - begin).count(),
+        counters.num_samples,
+        megabytes(counters.file_bytes),
+        counters.num_dropped,
+        counters.num_rejected,
+        fmt::join(counters.sites, ","));
+    if (!done) return done;
+    if (counters.num_samples == 0) {
+        for (const std::filesystem::path& empty : counters.files)
+            std::filesystem::remove(empty, failure);
+        return make_error(ErrorKind::kNotFound,
+                          fmt::format("nothing was recorded: nobody is there: {}; world, domain "
+                                      "and network must be the same in all programs",
+                                      participant->place()));
+    }
+    return {};
+}
+
+}  // namespace atrium::record
