@@ -17,11 +17,15 @@ int main(int argc, char** argv) {
          .summary =
              "Shows the people and objects of a world from any viewpoint, in a window or, "
              "without one, in pictures and videos. Without --bus.world it lists the worlds that "
-             "it hears.",
+             "it hears. Also shows a recording (atrium record).",
          .examples = "  viewer\n"
                      "  viewer --config deploy/viewer.toml\n"
                      "  viewer --headless --wait_people 2 --frames 30 --output both.png\n"
-                     "  viewer --headless --seconds 20 --video.file world.avi\n"},
+                     "  viewer --headless --seconds 20 --video.file world.avi\n"
+                     "  viewer evening.mcap\n"
+                     "  viewer evening.mcap --path way.json --video.file film.mp4\n",
+         .check = [&config] { return viewer::check_recording(config); },
+         .positional = "recording.file"},
         options,
         argc,
         argv,

@@ -5,6 +5,7 @@
 #include "core/base/looked_up.hpp"
 #include "core/config/spelling.hpp"
 #include "viewer/config/user_files.hpp"
+#include "viewer/playback/film.hpp"
 #include "viewer/record/output_files.hpp"
 #include "viewer/start/choose_world.hpp"
 #include "viewer/start/recent_worlds.hpp"
@@ -159,6 +160,11 @@ int run_viewer(ViewerConfig config, std::stop_token stop) {
     if (const auto ready = check_outputs(config); !ready) return app::fail(ready.error());
     if (const auto found = check_models(config); !found) return app::fail(found.error());
     config.viewpoint_file = user_file("viewpoints.toml");
+    if (!config.recording.file.empty()) {
+        if (config.video.file.empty()) return run_once(config, stop);
+        const auto rendered = render_film(config, stop);
+        return rendered ? 0 : app::fail(rendered.error());
+    }
     if (is_unattended(config)) {
         if (config.bus.world.empty()) config.bus.world = bus::BusOptions().world;
         return run_once(config, stop);

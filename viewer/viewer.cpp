@@ -7,6 +7,7 @@
 #include "viewer/control/user_control.hpp"
 #include "viewer/control/viewpoint_control.hpp"
 #include "viewer/pacing/drawing_control.hpp"
+#include "viewer/playback/playback.hpp"
 #include "viewer/receive/session.hpp"
 #include "viewer/receive/world_membership.hpp"
 #include "viewer/record/output_files.hpp"
@@ -59,6 +60,7 @@ struct Viewer::Impl {
 
     ViewerConfig config;
     SurfaceOptions surface_options;
+    std::unique_ptr<Playback> playback;  // null: a living world
     std::unique_ptr<Session> session;
     WorldPicture picture;
     std::optional<DrawingControl> drawing;  // from `open` to `close`
@@ -189,6 +191,11 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (events.names) picture.annotations->toggle_names();
     if (events.stream) notify_user(output_files.toggle_stream(renderer));
     if (events.record) notify_user(output_files.toggle_video(renderer));
+    for (const PlaybackEvent& event : events.playback) {
+        const std::string said = playback ? playback->apply(event, control.camera())
+                                          : "this key is for recordings: viewer FILE.mcap";
+        if (!said.empty()) show_notice(said);
+    }
     send(control.edit(events, shown, picture.eyes_of(control.camera()).front(), now));
     send_edits();
     for (const auto& outcome : control.outcomes(shown.objects, statistics.servers(), now))
@@ -240,6 +247,10 @@ void Viewer::Impl::fill_hud(Clock::time_point now) {
 void Viewer::Impl::draw(Clock::time_point begin) {
     const Clock::time_point now = Clock::now();
     picture.people.show_only(sites, control.inside());
+    if (playback) {
+        hud.timeline = {playback->state(), &playback->thumbnails()};
+        picture.people.hold(!hud.timeline->state.is_playing);
+    }
     picture.update(*session, now, statistics.times());
     const FollowCamera::Places people = picture.people.places(*picture.renderer);
     if (const auto view = start_view.update(people, picture.aspect(), picture.sight(), now))
@@ -332,10 +343,17 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
     if (!display) return tl::unexpected(display.error());
     ViewerConfig named_config = config;
     if (config.view.name.empty()) named_config.view.name = make_unique_name();
-    auto session = Session::create(config.bus, named_config.view.name);
+    std::unique_ptr<Playback> playback;
+    if (const RecordingConfig& recording = config.recording; !recording.file.empty()) {
+        auto found = Playback::open(recording.file, recording.path, named_config.bus);
+        if (!found) return tl::unexpected(found.error());
+        playback = std::move(*found);
+    }
+    auto session = Session::create(named_config.bus, named_config.view.name);
     if (!session) return tl::unexpected(session.error());
     auto impl = std::make_unique<Impl>(
         std::move(named_config), *surface, *camera, std::move(*display), std::move(*session));
+    impl->playback = std::move(playback);
     impl->given_surface = std::move(given);
     Expected<void> joined;
     Expected<void> opened;
@@ -368,7 +386,10 @@ Expected<void> Viewer::run(std::stop_token stop) {
         session.start_decoding();
         {
             const std::jthread receiving([&](std::stop_token own) { session.receive(own); });
-            result = impl_->loop(stop);
+            if (impl_->playback)
+                result = impl_->playback->start(session.participant(), impl_->config.recording);
+            if (result) result = impl_->loop(stop);
+            if (impl_->playback) impl_->playback->stop();
         }
         session.stop_decoding();
     }

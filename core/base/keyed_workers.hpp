@@ -77,6 +77,12 @@ public:
         ready_.clear();
     }
 
+    /// Blocks until no value waits and no handler runs.
+    void wait_until_idle() {
+        std::unique_lock lock(mutex_);
+        idle_.wait(lock, [this] { return entries_.empty(); });
+    }
+
     std::size_t num_threads() const {
         const std::lock_guard lock(mutex_);
         return threads_.size();
@@ -122,6 +128,7 @@ private:
                 ready_.push_back(entry->first);
             else
                 entries_.erase(entry);
+            if (entries_.empty()) idle_.notify_all();
         }
     }
 
@@ -130,6 +137,7 @@ private:
     const Handle handle_;
     mutable std::mutex mutex_;  // guards the members below
     std::condition_variable_any changed_;
+    std::condition_variable idle_;          // no entries
     std::map<std::string, Entry> entries_;  // keys that wait or are busy
     std::deque<std::string> ready_;         // keys that wait and are not busy, oldest first
     std::size_t num_idle_ = 0;              // threads that wait for a key

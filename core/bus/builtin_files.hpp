@@ -12,6 +12,6 @@ struct BuiltinNetwork {
 };
 
 extern const std::string_view kBuiltinProfiles;  // qos/profiles.xml
-extern const std::array<BuiltinNetwork, 4> kBuiltinNetworks;
+extern const std::array<BuiltinNetwork, 5> kBuiltinNetworks;
 
 }  // namespace atrium::bus

@@ -20,7 +20,8 @@ namespace atrium::bus {
 struct BusOptions {
     std::string world = "atrium";  // DDS partition: only programs of the same world are matched
     std::uint32_t domain = 0;      // DDS domain id, 0..230
-    /// loopback, lan, wifi, wan (embedded files of qos/), or the path of a Cyclone DDS file.
+    /// loopback, lan, wifi, wan (embedded files of qos/), or the path of a Cyclone DDS file. Also
+    /// private: this process alone.
     std::string network = "loopback";
     std::string peers;  // additional hosts to discover, comma-separated
     /// Network card. Empty: the one that `network` names, else that of the default route.
@@ -119,8 +120,8 @@ public:
 
     /// Passes each new sample that passes its checks to `on_sample`, oldest first. Calls `on_gone`
     /// when an instance is no longer alive: disposed, or its writers left or lost liveliness. That
-    /// message has only its key fields filled. The call comes after the instance's last sample and
-    /// may be repeated. Never blocks. The callbacks must not use this reader.
+    /// message has only its key fields filled. The call comes after the instance's last sample, and
+    /// before the first of its next life, and may be repeated. Never blocks. The callbacks must not use this reader.
     TakeReport take(const std::function<void(Message&&)>& on_sample,
                     const std::function<void(const Message&)>& on_gone = {});
     /// Like `take`, but also reports why the instance ended.

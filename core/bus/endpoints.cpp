@@ -1,7 +1,6 @@
 #include "core/bus/endpoints.hpp"
 
 #include "core/bus/checks.hpp"
-#include "core/bus/loan.hpp"
 
 namespace atrium::bus {
 
@@ -185,6 +184,9 @@ TakeReport Reader<Message>::take_written(
             const dds_sample_info_t& info = loan.info(i);
             // Without valid data the sample has only the key and reports a change of state.
             if (info.valid_data) {
+                if (const auto ended = impl_->lives.ended_before(info); ended && on_gone) {
+                    if (const auto key = key_from_wire<Message>(wire)) on_gone(*key, *ended);
+                }
                 impl_->deadlines->heard(info.instance_handle, now);
                 if (auto message = from_wire<Message>(wire)) {
                     ++report.num_taken;
@@ -195,6 +197,7 @@ TakeReport Reader<Message>::take_written(
             }
             if (!is_end_of_instance(info)) continue;
             impl_->deadlines->gone(info.instance_handle);
+            impl_->lives.gone(info);
             if (const auto key = key_from_wire<Message>(wire)) {
                 const bool is_disposed =
                     info.instance_state == DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE;

@@ -3,6 +3,7 @@
 #include "core/bus/bus.hpp"
 #include "core/bus/deadline_count.hpp"
 #include "core/bus/entity.hpp"
+#include "core/bus/loan.hpp"
 #include "core/bus/participant.hpp"
 #include "core/bus/topics.hpp"
 #include "core/bus/wire.hpp"
@@ -33,6 +34,7 @@ struct Reader<Message>::Impl {
     Entity reader;
     PeerWatch::Registration watched;
     std::unique_ptr<DeadlineCount> deadlines;
+    Lives lives;
     Entity anything;  // read condition: true while there is something to take
 };
 

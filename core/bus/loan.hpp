@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/timestamp.hpp"
+#include "core/bus/bus.hpp"
 
 #include <dds/dds.h>
 
@@ -8,6 +9,9 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
+#include <unordered_map>
+#include <utility>
 
 /// Samples taken from Cyclone without a copy. Private to core/bus.
 namespace atrium::bus {
@@ -50,5 +54,30 @@ inline Timestamp when_written(const dds_sample_info_t& info) {
 inline bool is_end_of_instance(const dds_sample_info_t& info) {
     return info.instance_state != DDS_ALIVE_INSTANCE_STATE && info.sample_rank == 0;
 }
+
+/// Notices that an instance ended and began again between two takes: Cyclone then reports only the
+/// samples of its new life.
+class Lives {
+public:
+    /// Call it for each sample with valid data. Returns how the instance's former life ended, if
+    /// that was not seen.
+    std::optional<Ending> ended_before(const dds_sample_info_t& info) {
+        const Counts now{info.disposed_generation_count, info.no_writers_generation_count};
+        const auto [found, is_new] = counts_.try_emplace(info.instance_handle, now);
+        const Counts before = std::exchange(found->second, now);
+        if (is_new || (now.disposed == before.disposed && now.lost == before.lost))
+            return std::nullopt;
+        return now.disposed != before.disposed ? Ending::kDisposed : Ending::kLost;
+    }
+    /// Call it when the end of the instance was seen.
+    void gone(const dds_sample_info_t& info) { counts_.erase(info.instance_handle); }
+
+private:
+    struct Counts {
+        std::uint32_t disposed = 0;
+        std::uint32_t lost = 0;
+    };
+    std::unordered_map<dds_instance_handle_t, Counts> counts_;
+};
 
 }  // namespace atrium::bus

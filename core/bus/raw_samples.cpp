@@ -75,11 +75,21 @@ public:
             for (int i = 0; i < loan.size(); ++i) {
                 const dds_sample_info_t& info = loan.info(i);
                 if (info.valid_data) {
+                    if (const auto ended = lives_.ended_before(info))
+                        end(loan.sample(i), info, *ended, on_sample);
                     const auto cdr = cdr_of(Topic<Message>::kDescriptor, loan.sample(i));
                     on_sample({RawKind::kSample, when_written(info), cdr});
                     ++report.num_taken;
                 }
-                if (is_end_of_instance(info)) end(loan.sample(i), info, on_sample);
+                if (is_end_of_instance(info)) {
+                    lives_.gone(info);
+                    const bool is_disposed =
+                        info.instance_state == DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE;
+                    end(loan.sample(i),
+                        info,
+                        is_disposed ? Ending::kDisposed : Ending::kLost,
+                        on_sample);
+                }
             }
             if (loan.size() < static_cast<int>(kTakeBatch)) break;
         }
@@ -91,16 +101,19 @@ public:
 private:
     static void end(const void* sample,
                     const dds_sample_info_t& info,
+                    Ending how,
                     const std::function<void(const RawSample&)>& on_sample) {
         const auto key = key_from_wire<Message>(*static_cast<const WireOf<Message>*>(sample));
         if (!key) return;  // of an instance that nobody took a sample of either
         const auto cdr = cdr_of_key(*key);
-        const bool is_disposed = info.instance_state == DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE;
-        on_sample({is_disposed ? RawKind::kDisposed : RawKind::kLost, when_written(info), cdr});
+        on_sample({how == Ending::kDisposed ? RawKind::kDisposed : RawKind::kLost,
+                   when_written(info),
+                   cdr});
     }
 
     Reader<Message> reader_;
     dds_entity_t entity_;  // of reader_
+    Lives lives_;
 };
 
 template <typename Message>

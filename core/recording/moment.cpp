@@ -52,8 +52,8 @@ public:
             std::vector<KeyedSample> textures;
             if (!find_textures(*mesh, textures)) continue;
             done.insert(mesh->site);
-            out.insert(out.end(), textures.begin(), textures.end());
             out.push_back({*sample, mesh->site});
+            out.insert(out.end(), textures.begin(), textures.end());
         }
     }
 

@@ -94,11 +94,12 @@ void Player::write(const bus::RawTopic& topic,
     }
 }
 
-// Ends the instances that are not among `alive`; keys are those on the bus.
+// Ends the instances that are not among `alive`, and all streams: those who receive them then know
+// that what follows is of another time. Keys are those on the bus.
 void Player::end_all_but(const std::set<std::pair<const bus::RawTopic*, std::string>>& alive) {
     for (auto& [topic, output] : outputs_) {
         for (auto one = output.alive.begin(); one != output.alive.end();) {
-            if (alive.contains({topic, one->first})) {
+            if (topic->qos_class() != "stream" && alive.contains({topic, one->first})) {
                 ++one;
                 continue;
             }
@@ -253,6 +254,24 @@ void Player::run(std::stop_token stop) {
     }
     lock.unlock();
     end_all_but({});
+}
+
+void Player::show_now(std::chrono::nanoseconds time) {
+    show(absolute(time));
+    const std::lock_guard lock(mutex_);
+    state_.time = time;
+    wanted_time_.reset();
+}
+
+void Player::advance(std::chrono::nanoseconds time) {
+    for (const PlayedSample* next = cursor_.peek(); next != nullptr && next->time <= absolute(time);
+         next = cursor_.peek()) {
+        write(*next, false);
+        cursor_.pop();
+    }
+    const std::lock_guard lock(mutex_);
+    state_.time = time;
+    state_.num_damaged = cursor_.num_damaged();
 }
 
 void Player::play() {

@@ -64,6 +64,11 @@ public:
     /// from there if `play` was called. Ends all instances when it stops.
     void run(std::stop_token stop);
 
+    /// Without `run`, on the caller's thread, for pictures that are made as slowly as they need:
+    /// shows that moment, or writes all samples up to `time` at once.
+    void show_now(std::chrono::nanoseconds time);
+    void advance(std::chrono::nanoseconds time);
+
     void play();
     void pause();
     /// Pauses and shows the frame (SiteMesh; without any: state) that is `num` later or earlier.

@@ -115,6 +115,22 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
     app::declare(config.process, set);
     declare(config.view, set);
     declare(config.display, set);
+    set.add("recording.file",
+            config.recording.file,
+            "recording (.mcap) to show instead of a living world; also without the option's name");
+    set.add_alias("recording");
+    set.add("recording.path",
+            config.recording.path,
+            "camera path (JSON) of the video; a window adds the keys of U to it; empty: "
+            "FILE.path.json beside the recording for these, and none for a video");
+    set.add_alias("path");
+    set.add("recording.from", config.recording.from_s, "begin here [s]", {.min = 0, .max = 1e9});
+    set.add("recording.to",
+            config.recording.to_s,
+            "end here [s]; 0: at the end",
+            {.min = 0, .max = 1e9});
+    set.add("recording.loop", config.recording.loop, "begin again at the end");
+    set.add("recording.paused", config.recording.paused, "show the first moment and wait");
     set.add("headless", config.headless, "draw without a window even if there is a display");
     set.add("frames", config.frames, "stop after this many pictures; 0: no limit");
     set.add(
@@ -155,6 +171,10 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             config.video.stream_kbps,
             "bit rate of the stream [kbit/s]; 0: by its size and rate",
             {.min = 0, .max = 200'000});
+    set.add("video.supersample",
+            config.video.supersample,
+            "of a recording: draw each pixel of the video from so many each way",
+            {.min = 1, .max = 4});
     set.add(
         "video.virtual_camera",
         config.video.virtual_camera,
@@ -183,6 +203,36 @@ Expected<void> check_names(const ViewerConfig& config) {
         if (const auto target = parse_stream(config.video.stream); !target)
             return tl::unexpected(target.error());
     }
+    return {};
+}
+
+Expected<void> check_recording(const ViewerConfig& config) {
+    const std::filesystem::path& file = config.recording.file;
+    const auto wrong = [](const std::string& what) {
+        return make_error(ErrorKind::kConfiguration, what);
+    };
+    if (file.empty()) {
+        if (!config.recording.path.empty())
+            return wrong("recording.path: a camera path belongs to a recording: viewer FILE.mcap");
+        return {};
+    }
+    if (file.extension() != ".mcap") {
+        const std::string name = file.string();
+        return wrong(fmt::format("unexpected: {}; {}",
+                                 name,
+                                 file.extension() == ".toml"
+                                     ? "a file is given as --config " + name
+                                     : "a recording ends in .mcap, and a world is given as "
+                                       "--world " +
+                                           name));
+    }
+    if (config.recording.to_s > 0.0 && config.recording.to_s <= config.recording.from_s)
+        return wrong(fmt::format("recording.to: must be later than recording.from ({:g})",
+                                 config.recording.from_s));
+    if (!config.display.wall.empty())
+        return wrong(
+            "display.wall: a wall shows a living world; play the recording into one with "
+            "atrium play");
     return {};
 }
 

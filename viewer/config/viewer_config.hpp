@@ -55,6 +55,17 @@ struct VideoConfig {
     std::string stream{};  // address of a receiver; empty: none
     int stream_kbps = 0;   // 0: by size and rate
     std::filesystem::path virtual_camera{};  // V4L2 output device; empty: none
+    int supersample = 1;  // of a recording: pixels drawn per pixel of the video, each way
+};
+
+/// A recording that is shown instead of a living world.
+struct RecordingConfig {
+    std::filesystem::path file{};  // empty: a living world
+    std::filesystem::path path{};  // camera path; empty: FILE.path.json for keys, none for a film
+    double from_s = 0.0;
+    double to_s = 0.0;  // 0: the end
+    bool loop = false;
+    bool paused = false;
 };
 
 /// The folder of the delivered worlds, beside the folder of this program: in the repository, of
@@ -67,6 +78,7 @@ struct ViewerConfig {
     ViewConfig view;
     DisplayConfig display;
     VideoConfig video;
+    RecordingConfig recording;
     bool headless = false;
     std::uint64_t frames = 0;  // 0: until stopped
     double seconds = 0.0;      // 0: until stopped
@@ -86,6 +98,9 @@ void declare(ViewerConfig& config, config::OptionSet& set);
 /// Checks the name, the extensions of the output files and the address of the stream. Error
 /// kConfiguration if one does not match its format.
 Expected<void> check_names(const ViewerConfig& config);
+
+/// Checks the options of a recording together. Error kConfiguration.
+Expected<void> check_recording(const ViewerConfig& config);
 
 /// Size of the video for pictures of that size [px]. Even, as the formats require.
 std::pair<int, int> video_size(const VideoConfig& video, std::pair<int, int> picture);

@@ -3,12 +3,14 @@
 #include "viewer/control/controls.hpp"
 #include "viewer/control/edit_events.hpp"
 #include "viewer/control/mouse_grab.hpp"
+#include "viewer/control/playback_events.hpp"
 #include "viewer/control/scene_editor.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace atrium::viewer {
 
@@ -36,8 +38,9 @@ struct SurfaceEvents {
     bool leave_eyes = false;  // look from outside again
     bool stop_following = false;
     std::optional<ViewpointEvent> viewpoint;
-    std::string hide_site;     // hide this site, or show it again; empty: none
-    std::string solo_site;     // show only this site, or all again; empty: none
+    std::string hide_site;  // hide this site, or show it again; empty: none
+    std::string solo_site;  // show only this site, or all again; empty: none
+    std::vector<PlaybackEvent> playback;
     bool other_world = false;  // leave the world for the list of worlds
     bool reset_scene = false;
     std::optional<NewObject> add;         // add this object before the eye

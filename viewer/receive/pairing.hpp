@@ -52,6 +52,9 @@ public:
     /// Forgets what is pending of a site that is gone. When it is back, DDS may deliver its last
     /// samples once more: they still are late.
     void forget(const std::string& site);
+    /// Forgets all of a site that ended its stream itself: it may begin again at any time, such as
+    /// a recording that jumps back.
+    void start_over(const std::string& site) { sites_.erase(site); }
 
     /// Frames dropped incomplete, because a newer one was complete or because too many were
     /// pending.

@@ -56,15 +56,25 @@ void Session::receive(std::stop_token stop) {
         if (is_all_here) all_here = round;
         if (has_samples || round - last_round >= Feedback::kPeriod) {
             last_round = round;
-            take_objects();
-            take_soft_objects();
-            receive_statuses();
-            note(proxies_.receive(readers_.participant));
-            note(edits_.receive());
-            num_incomplete_ = pairing_.num_incomplete();
+            take_others();
         }
         write_feedback();
     }
+}
+
+void Session::take_others() {
+    take_objects();
+    take_soft_objects();
+    receive_statuses();
+    note(proxies_.receive(readers_.participant));
+    note(edits_.receive());
+    num_incomplete_ = pairing_.num_incomplete();
+}
+
+void Session::receive_all() {
+    take_sites();
+    take_others();
+    if (decoders_) decoders_->wait_until_idle();
 }
 
 void Session::take_sites() {
@@ -94,7 +104,10 @@ void Session::take_sites() {
             const std::size_t num_bytes = mesh.draco.size();
             receive_sample(std::move(mesh), written, num_bytes);
         },
-        [this](const bus::SiteMesh& gone, bus::Ending /*how*/) { site_gone(gone.site); }));
+        [this](const bus::SiteMesh& gone, bus::Ending how) {
+            site_gone(gone.site);
+            if (how == bus::Ending::kDisposed) pairing_.start_over(gone.site);
+        }));
     note(readers_.textures.take_written([this](bus::CameraTexture&& texture, Timestamp written) {
         const std::size_t num_bytes = texture.colour.size() + texture.mask.size();
         receive_sample(std::move(texture), written, num_bytes);
@@ -142,12 +155,21 @@ void Session::take_objects() {
     const bool has_writer = readers_.objects.num_writers() > 0;
     is_lost |= std::exchange(has_object_writer_, has_writer) && !has_writer;
     if (is_lost) world_lost_ns_ = std::chrono::nanoseconds(now.time_since_epoch()).count();
-    note(readers_.states.take([&](bus::SceneState&& state) {
-        const std::lock_guard lock(scene_mutex_);
-        if (scene_.states.size() >= kMaxWaitingStates) scene_.states.erase(scene_.states.begin());
-        scene_.states.emplace_back(std::move(state), now);
-        world_heard_ns_ = std::chrono::nanoseconds(now.time_since_epoch()).count();
-    }));
+    note(readers_.states.take(
+        [&](bus::SceneState&& state) {
+            const std::lock_guard lock(scene_mutex_);
+            if (scene_.states.size() >= kMaxWaitingStates)
+                scene_.states.erase(scene_.states.begin());
+            scene_.states.emplace_back(std::move(state), now);
+            world_heard_ns_ = std::chrono::nanoseconds(now.time_since_epoch()).count();
+        },
+        [this](const bus::SceneState& /*gone*/, bus::Ending how) {
+            if (how != bus::Ending::kDisposed) return;
+            // a recording that jumps, or another world server
+            const std::lock_guard lock(scene_mutex_);
+            scene_.is_new_time = true;
+            scene_.states.clear();
+        }));
 }
 
 void Session::receive_statuses() {
@@ -188,18 +210,27 @@ void Session::take_soft_objects() {
             const std::lock_guard lock(scene_mutex_);
             scene_.scenery.insert_or_assign(gone.name, std::nullopt);
         }));
-    note(readers_.soft_states.take([&](bus::SoftBodyState&& state) {
-        const std::lock_guard lock(scene_mutex_);
-        auto& waiting = scene_.soft_states;
-        if (waiting.size() >= kMaxWaitingSoftStates) waiting.erase(waiting.begin());
-        waiting.push_back(std::move(state));
-    }));
+    note(readers_.soft_states.take(
+        [&](bus::SoftBodyState&& state) {
+            const std::lock_guard lock(scene_mutex_);
+            auto& waiting = scene_.soft_states;
+            if (waiting.size() >= kMaxWaitingSoftStates) waiting.erase(waiting.begin());
+            waiting.push_back(std::move(state));
+        },
+        [this](const bus::SoftBodyState& gone, bus::Ending how) {
+            if (how != bus::Ending::kDisposed) return;
+            const std::lock_guard lock(scene_mutex_);
+            std::erase_if(scene_.soft_states, [&](const bus::SoftBodyState& state) {
+                return state.object == gone.object;
+            });
+            scene_.soft_new_times.insert(gone.object);
+        }));
 }
 
 void Session::hand_to_decoder(std::optional<FramePair> pair) {
     if (!pair) return;
     const std::string site = pair->mesh.site;
-    if (stale_frames_.add(site, pair->mesh.capture_time, Timestamp::now())) {
+    if (!is_offline_ && stale_frames_.add(site, pair->mesh.capture_time, Timestamp::now())) {
         ++num_pairs_skipped_;  // stale: showing nothing is better than showing the past
         return;
     }
@@ -209,7 +240,7 @@ void Session::hand_to_decoder(std::optional<FramePair> pair) {
         return;
     }
     const auto now = DecodedPeople::Clock::now();
-    if (decoders_ == nullptr || is_too_soon(site, now)) {
+    if (decoders_ == nullptr || (!is_offline_ && is_too_soon(site, now))) {
         ++num_pairs_skipped_;
         return;
     }

@@ -21,6 +21,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -36,6 +37,9 @@ struct SceneChanges {
     std::vector<bus::SoftBodyState> soft_states;
     std::map<std::string, bus::SitePlacement> placements;
     std::map<std::string, std::shared_ptr<const bus::SiteDescription>> sites;  // null: gone
+    /// `states` begin anew: those before belong to another time.
+    bool is_new_time = false;
+    std::set<std::uint32_t> soft_new_times;  // soft objects whose states begin anew
     std::vector<std::pair<bus::SceneState, std::chrono::steady_clock::time_point>> states;
 };
 
@@ -62,6 +66,10 @@ public:
         on_complete_ = std::move(listener);
     }
     void receive(std::stop_token stop);
+    /// Without `receive`: takes all that is there and waits until it is decoded.
+    void receive_all();
+    /// For `receive_all`: no pair is too old or too early, and nobody is told of it.
+    void plays_offline() { is_offline_ = true; }
     /// Starts the decoders. Call it before `receive`; without it, complete pairs are skipped.
     void start_decoding();
     /// Waits for the running decoders. Call it after `receive` has returned.
@@ -159,6 +167,7 @@ private:
             EditLink edits,
             std::string viewer);
     void take_sites();
+    void take_others();
     void take_objects();
     void take_soft_objects();
     void receive_statuses();
@@ -191,6 +200,7 @@ private:
     // when a pair of each site was last handed to a decoder; receiving thread only
     std::map<std::string, DecodedPeople::Clock::time_point> handed_;
     std::atomic<std::int64_t> picture_period_ns_ = 0;
+    bool is_offline_ = false;
     DecodedPeople people_;
     std::mutex spent_mutex_;
     std::vector<renderer::PersonModel> spent_;  // guarded by spent_mutex_

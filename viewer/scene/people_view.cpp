@@ -43,7 +43,7 @@ void PeopleView::show(const std::string& site,
                        update.model->cameras.size());
     }
     // a slow picture is no silence of the site
-    if (!is_new && updated_ - shown.since > kStalled)
+    if (!is_new && !holds_ && updated_ - shown.since > kStalled)
         app::log::info("person_back site={} after_s={:.1f}", site, seconds(now - shown.since));
     shown.since = now;
     ++shown.num_pairs;
@@ -96,7 +96,8 @@ std::map<std::string, PeopleView::Stream> PeopleView::streams(Clock::time_point 
     for (auto& [site, shown] : shown_) {
         Stream& stream = streams[site];
         stream.per_s = shown.rate.update(shown.num_pairs, now);
-        if (updated_ - shown.since > kStalled) stream.silent_s = seconds(updated_ - shown.since);
+        if (!holds_ && updated_ - shown.since > kStalled)
+            stream.silent_s = seconds(updated_ - shown.since);
     }
     return streams;
 }

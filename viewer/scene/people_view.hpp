@@ -43,6 +43,8 @@ public:
         selected_ = sites;
         inside_ = inside;
     }
+    /// People stay as they are while their sites are silent: a recording stands still.
+    void hold(bool holds) { holds_ = holds; }
     /// Drops everything; call it when the renderer is destroyed.
     void clear();
 
@@ -70,12 +72,13 @@ public:
     /// Opacity of a person of this session, in [0, 1]. 0: not drawn.
     double opacity(const std::string& site, Clock::time_point now) const {
         if (!is_drawn(site)) return 0.0;
-        return opacity_after(now - shown_.at(site).since);
+        return holds_ ? 1.0 : opacity_after(now - shown_.at(site).since);
     }
     /// A person's stream.
     struct Stream {
         double per_s = 0.0;     // new meshes, since the last call
-        double silent_s = 0.0;  // time without a new one at the last picture; 0 while they come
+        double silent_s = 0.0;  // 0 while people are held; time without a new one at the last
+                                // picture; 0 while they come
     };
     std::map<std::string, Stream> streams(Clock::time_point now);
 
@@ -89,6 +92,7 @@ private:
     DelayedPeople due_;
     SiteSelection selected_;
     std::string inside_;
+    bool holds_ = false;
     struct Shown {
         Clock::time_point since;  // last update
         std::uint64_t num_pairs = 0;

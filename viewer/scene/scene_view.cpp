@@ -166,6 +166,8 @@ void SceneView::update(SceneChanges changes,
     }
     for (const auto& [site, placement] : changes.placements)
         renderer.set_site_pose(site, placement.world_from_site);
+    if (changes.is_new_time) timeline_.clear();
+    for (const std::uint32_t object : changes.soft_new_times) soft_timeline_.remove(object);
     for (auto& state : changes.soft_states) soft_timeline_.add(std::move(state));
     for (auto& [state, arrival] : changes.states) timeline_.add(std::move(state), arrival);
     const auto newest = timeline_.shown_time(now);

@@ -161,6 +161,34 @@ constexpr std::array kBindings{
         Action::kDetails, "T", "show or hide graphs and stage times", false, false, {GLFW_KEY_T}},
     KeyBinding{Action::kPanel, "H", "show or hide the panel", false, false, {GLFW_KEY_H}},
     KeyBinding{Action::kKeys, "F1, ?", "show or hide this list", false, false, {GLFW_KEY_F1}},
+    KeyBinding{Action::kPlay, "Space", "recording: play or pause", false, false, {GLFW_KEY_SPACE}},
+    KeyBinding{
+        Action::kFrameBack, ",", "recording: one frame back", false, false, {GLFW_KEY_COMMA}},
+    KeyBinding{Action::kFrameOn, ".", "recording: one frame on", false, false, {GLFW_KEY_PERIOD}},
+    KeyBinding{Action::kTimeBack, "Left", "recording: 1 s back", false, false, {GLFW_KEY_LEFT}},
+    KeyBinding{Action::kTimeOn, "Right", "recording: 1 s on", false, false, {GLFW_KEY_RIGHT}},
+    KeyBinding{Action::kSlower,
+               "-",
+               "recording: half the speed",
+               false,
+               false,
+               {GLFW_KEY_MINUS, GLFW_KEY_KP_SUBTRACT}},
+    KeyBinding{Action::kFaster,
+               "+",
+               "recording: twice the speed",
+               false,
+               false,
+               {GLFW_KEY_EQUAL, GLFW_KEY_KP_ADD}},
+    KeyBinding{
+        Action::kMarkIn, "[", "recording: begin here", false, false, {GLFW_KEY_LEFT_BRACKET}},
+    KeyBinding{
+        Action::kMarkOut, "]", "recording: end here", false, false, {GLFW_KEY_RIGHT_BRACKET}},
+    KeyBinding{Action::kKeepView,
+               "U",
+               "recording: keep this viewpoint for the camera path",
+               false,
+               false,
+               {GLFW_KEY_U}},
     KeyBinding{Action::kOtherWorld,
                "Backspace",
                "leave this world, back to the list of worlds (twice while an object is selected)",
@@ -255,6 +283,39 @@ bool change_view(const PressedKey& key, SurfaceEvents& events) {
             return true;
         case Action::kMove:
             return true;  // polled by the window
+        default:
+            return false;
+    }
+}
+
+bool change_playback(const PressedKey& key, SurfaceEvents& events) {
+    using Kind = PlaybackEvent::Kind;
+    constexpr std::chrono::seconds kJump{1};
+    const auto want = [&](PlaybackEvent event) {
+        events.playback.push_back(event);
+        return true;
+    };
+    switch (key.action) {
+        case Action::kPlay:
+            return want({.kind = Kind::kToggle});
+        case Action::kFrameBack:
+            return want({.kind = Kind::kStep, .number = -1});
+        case Action::kFrameOn:
+            return want({.kind = Kind::kStep, .number = 1});
+        case Action::kTimeBack:
+            return want({.kind = Kind::kSeekBy, .time = -kJump});
+        case Action::kTimeOn:
+            return want({.kind = Kind::kSeekBy, .time = kJump});
+        case Action::kSlower:
+            return want({.kind = Kind::kSpeedBy, .factor = 0.5});
+        case Action::kFaster:
+            return want({.kind = Kind::kSpeedBy, .factor = 2.0});
+        case Action::kMarkIn:
+            return want({.kind = Kind::kMarkIn});
+        case Action::kMarkOut:
+            return want({.kind = Kind::kMarkOut});
+        case Action::kKeepView:
+            return want({.kind = Kind::kKeepView});
         default:
             return false;
     }

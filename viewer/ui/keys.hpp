@@ -46,6 +46,16 @@ enum class Action : std::uint8_t {
     kDetails,
     kPanel,
     kKeys,
+    kPlay,
+    kFrameBack,
+    kFrameOn,
+    kTimeBack,
+    kTimeOn,
+    kSlower,
+    kFaster,
+    kMarkIn,
+    kMarkOut,
+    kKeepView,
     kOtherWorld,
     kClose,
     kMouse,  // not a key: lines about the mouse in the list of keys
@@ -80,6 +90,9 @@ int key_of_letter(int key);
 
 /// Notes a key for the view. Returns false for the others.
 bool change_view(const PressedKey& key, SurfaceEvents& events);
+
+/// Notes a key for the recording that is shown. Returns false for the others.
+bool change_playback(const PressedKey& key, SurfaceEvents& events);
 
 /// Notes a key for selected objects. Returns false for the others.
 bool change_selected(const PressedKey& key, EditEvents& edit);

@@ -29,8 +29,9 @@ PanelWish PanelPlaces::wish_of(const PanelAsk& ask) {
     return {ask.corner, width.wanted, most.y - content.CursorStartPos.y + 2.0f * padding.y};
 }
 
-void PanelPlaces::arrange(std::span<const PanelAsk> shown) {
-    const ImVec2 size = ImGui::GetIO().DisplaySize;
+void PanelPlaces::arrange(std::span<const PanelAsk> shown, float taken_below_px) {
+    ImVec2 size = ImGui::GetIO().DisplaySize;
+    size.y = std::max(1.0f, size.y - taken_below_px);
     const ImGuiStyle& style = ImGui::GetStyle();
     const PanelRoom room{size.x, size.y, panel_margin(), style.ScrollbarSize};
     if (size.x != picture_.width || size.y != picture_.height || ImGui::GetFontSize() != letter_px_)

@@ -22,8 +22,9 @@ struct PanelAsk {
 class PanelPlaces {
 public:
     /// Call it in an ImGui frame before the panels, which `begin_arranged_panel` begins. A new
-    /// panel is hidden for one picture, in which ImGui finds its size.
-    void arrange(std::span<const PanelAsk> shown);
+    /// panel is hidden for one picture, in which ImGui finds its size. `taken_below_px`: height of
+    /// the picture's lower part that has no room for them.
+    void arrange(std::span<const PanelAsk> shown, float taken_below_px = 0.0f);
 
     /// Width that a panel may have [px].
     float widest(const std::string& name) const;

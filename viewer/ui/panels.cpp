@@ -41,7 +41,8 @@ void Panels::draw_panels(const HudContent& content, SurfaceEvents& events) {
     if (open_.selection) shown.push_back({"edit", Corner::kLowerLeft, EditPanel::width()});
     if (has_sites) shown.push_back({"sites", Corner::kLowerLeft});
     if (has_views) shown.push_back({"viewpoints", Corner::kLowerRight});
-    places_.arrange(shown);
+    const bool has_timeline = content.timeline && is_hud_shown_;
+    places_.arrange(shown, has_timeline ? timeline_.height_px() - panel_margin() : 0.0f);
     cover_names(content);
     if (is_hud_shown_)
         draw_hud(content,
@@ -52,6 +53,7 @@ void Panels::draw_panels(const HudContent& content, SurfaceEvents& events) {
     edit_.draw(content, events);
     if (has_sites) sites_.draw(content, events);
     if (has_views) views_.draw(content, events);
+    if (has_timeline) timeline_.draw(*content.timeline, events);
 }
 
 // Names lie in the picture, below the panels: they must not shine through their letters.

@@ -8,6 +8,7 @@
 #include "viewer/ui/panel_places.hpp"
 #include "viewer/ui/site_panel.hpp"
 #include "viewer/ui/surface.hpp"
+#include "viewer/ui/timeline_panel.hpp"
 #include "viewer/ui/viewpoint_panel.hpp"
 
 namespace atrium::viewer {
@@ -39,6 +40,7 @@ private:
     EditPanel edit_;
     SitePanel sites_;
     ViewpointPanel views_;
+    TimelinePanel timeline_;
     PanelPlaces places_;
     AskedAgain asked_;
     Openings open_;  // as far as the last picture knows

@@ -2,9 +2,11 @@
 
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
+#include "core/recording/player.hpp"
 #include "viewer/config/viewer_config.hpp"
 #include "viewer/control/surface_events.hpp"
 #include "viewer/control/world_editing.hpp"
+#include "viewer/playback/thumbnails.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/scene/file_advice.hpp"
 #include "viewer/scene/model_folder.hpp"
@@ -48,6 +50,12 @@ struct ViewpointLine {
     bool is_own = false;  // the user's, not of the viewer file
 };
 
+/// A recording that is shown, for its timeline.
+struct TimelineContent {
+    recording::PlayState state;
+    const Thumbnails* thumbnails = nullptr;  // null: none
+};
+
 /// Statistics and messages shown beside the picture.
 struct HudContent {
     double frames_per_s = 0.0;
@@ -80,8 +88,9 @@ struct HudContent {
     std::uint64_t num_video_dropped = 0;  // pictures missing in videos and streams
     std::string live;                     // stream and virtual camera; empty: none
     std::string quality;                  // reduced quality on a slow machine; empty: full quality
-    std::string notice;                   // message about the last event; empty: none
-    std::vector<Eigen::AlignedBox2f> names;                // labels in the picture, as shares of it
+    std::optional<TimelineContent> timeline;  // none: the world is alive
+    std::string notice;                       // message about the last event; empty: none
+    std::vector<Eigen::AlignedBox2f> names;   // labels in the picture, as shares of it
     std::array<float, History::kLength - 1> latency_ms{};  // last 30 s, see History
     std::array<float, History::kLength - 1> pictures_per_s{};
 };

@@ -184,7 +184,9 @@ private:
             return;
         }
         if (!panels_.allows(key.action)) return;
-        if (change_view(key, events_) || change_selected(key, events_.edit)) return;
+        if (change_view(key, events_) || change_selected(key, events_.edit) ||
+            change_playback(key, events_))
+            return;
         if (panels_.change(key.action, events_)) return;
         switch (key.action) {
             case Action::kWalk:
