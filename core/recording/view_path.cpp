@@ -127,6 +127,11 @@ void ViewPath::add(const ViewKey& key) {
     keys_.insert(std::ranges::upper_bound(keys_, key.time, {}, &ViewKey::time), key);
 }
 
+std::size_t ViewPath::number_at(nanoseconds time) const {
+    return static_cast<std::size_t>(std::ranges::upper_bound(keys_, time, {}, &ViewKey::time) -
+                                    keys_.begin());
+}
+
 ViewKey ViewPath::at(nanoseconds time) const {
     const auto after = std::ranges::upper_bound(keys_, time, {}, &ViewKey::time);
     ViewKey key;

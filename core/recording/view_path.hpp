@@ -33,6 +33,8 @@ public:
     void add(const ViewKey& key);
     /// Viewpoint at a time. There must be a key.
     ViewKey at(std::chrono::nanoseconds time) const;
+    /// Place of the last key up to `time`, from 1; 0: it is before all.
+    std::size_t number_at(std::chrono::nanoseconds time) const;
     const std::vector<ViewKey>& keys() const { return keys_; }
 
 private:

@@ -87,7 +87,10 @@ std::string Playback::keep_view(nanoseconds time, const renderer::ViewCamera& ca
     path.add({time, camera.position_m, camera.target_m, camera.fov_deg});
     if (const auto saved = path.save(path_file_); !saved)
         return "not kept: " + saved.error().message;
-    return fmt::format("camera path: {} viewpoints in {}", path.keys().size(), path_file_.string());
+    return fmt::format("camera path: viewpoint {} of {}, in {}",
+                       path.number_at(time),
+                       path.keys().size(),
+                       path_file_.string());
 }
 
 std::string Playback::apply(const PlaybackEvent& event, const renderer::ViewCamera& camera) {

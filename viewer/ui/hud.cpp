@@ -2,6 +2,7 @@
 
 #include "viewer/ui/curve.hpp"
 #include "viewer/ui/keys.hpp"
+#include "viewer/ui/local_time.hpp"
 #include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/ui_scale.hpp"
 
@@ -156,7 +157,9 @@ void draw_hud(const HudContent& content, const HudForm& form) {
                            std::min(room, ui_px(has_details ? kDetailWidth_px : kLineWidth_px)));
     std::string summary = content.world.empty() ? "" : content.world + "   ";
     summary += fmt::format("{:.0f} pictures/s", content.frames_per_s);
-    if (content.capture_to_display.num_samples > 0)
+    if (content.timeline)
+        summary += "   recorded " + local_time_text(content.timeline->recorded);
+    else if (content.capture_to_display.num_samples > 0)
         summary += fmt::format("   {:.0f} ms old", content.capture_to_display.median_ms);
     draw_wrapped(summary);
     if (!content.quality.empty()) draw_warning("machine too slow: " + content.quality);

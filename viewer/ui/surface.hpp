@@ -53,6 +53,7 @@ struct ViewpointLine {
 /// A recording that is shown, for its timeline.
 struct TimelineContent {
     recording::PlayState state;
+    Timestamp recorded;                      // the moment shown, when it was recorded
     const Thumbnails* thumbnails = nullptr;  // null: none
 };
 

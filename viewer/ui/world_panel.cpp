@@ -1,5 +1,6 @@
 #include "viewer/ui/edit_panel.hpp"
 #include "viewer/ui/fields.hpp"
+#include "viewer/ui/local_time.hpp"
 #include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/ui_scale.hpp"
 
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <ctime>
 #include <string>
 #include <utility>
 
@@ -25,15 +25,6 @@ std::string lower(std::string text) {
         return static_cast<char>(std::tolower(c));
     });
     return text;
-}
-
-std::string time_text(Timestamp time) {
-    const std::time_t seconds = time.ns / 1'000'000'000;
-    std::tm parts{};
-    if (localtime_r(&seconds, &parts) == nullptr) return {};
-    std::array<char, 32> text{};
-    std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M", &parts);
-    return text.data();
 }
 
 bool begin_list(const char* name) {
@@ -183,7 +174,7 @@ void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
     if (chosen != worlds->worlds.end())
         ImGui::Text("%zu objects, saved %s",
                     static_cast<std::size_t>(chosen->num_objects),
-                    time_text(chosen->time).c_str());
+                    local_time_text(chosen->time).c_str());
     else
         ImGui::TextDisabled("choose one to load it");
     ImGui::BeginDisabled(world_.empty());
