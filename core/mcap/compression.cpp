@@ -73,9 +73,8 @@ Expected<Bytes> decompress(std::string_view method,
         return Bytes(bytes.begin(), bytes.end());
     }
     if (method != "zstd" && method != "lz4") {
-        return make_error(
-            ErrorKind::kInvalidData,
-            fmt::format("compression '{}' is unknown; zstd and lz4 are read", method));
+        return make_error(ErrorKind::kInvalidData,
+                          "a chunk's compression is unknown; zstd and lz4 are read");
     }
     Bytes out(static_cast<std::size_t>(size));
     if (method == "lz4") {

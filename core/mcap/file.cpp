@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::uint64_t kFooterBytes = kRecordHeadBytes + 20;
 constexpr std::uint64_t kMaxSummaryBytes = std::uint64_t{256} << 20U;
+constexpr std::uint64_t kMaxMetadataBytes = std::uint64_t{16} << 20U;  // all of a file's
 
 bool is_inside(const ChunkIndex& chunk, std::uint64_t file_size) {
     return chunk.offset <= file_size && chunk.length <= file_size - chunk.offset &&
@@ -46,6 +47,8 @@ Expected<bool> File::read_summary() {
     if (!summary) return false;
     const auto up_to_crc = std::span(*end).first(kRecordHeadBytes + 16);
     if (crc != 0 && crc != crc32(up_to_crc, crc32(*summary))) return false;
+    bool has_statistics = false;
+    std::uint64_t metadata_bytes = 0;
     std::span<const std::byte> rest(*summary);
     while (!rest.empty()) {
         const auto record = next_record(rest);
@@ -66,6 +69,7 @@ Expected<bool> File::read_summary() {
             ByteReader in(record->content);
             static_cast<void>(in.take(8 + 2 + 4 + 4 + 4 + 4 + 8 + 8));
             ByteReader counts(in.take(in.get<std::uint32_t>()));
+            has_statistics = in.ok();
             while (counts.ok() && !counts.rest().empty()) {
                 const auto channel = counts.get<std::uint16_t>();
                 contents_.num_messages[channel] = counts.get<std::uint64_t>();
@@ -74,7 +78,8 @@ Expected<bool> File::read_summary() {
             ByteReader in(record->content);
             const auto at = in.get<std::uint64_t>();
             const auto length = in.get<std::uint64_t>();
-            if (!in.ok() || length > kMaxSummaryBytes) return false;
+            if (!in.ok() || length > kMaxMetadataBytes - metadata_bytes) return false;
+            metadata_bytes += length;
             const auto bytes = read_at(descriptor_.get(), at, length);
             if (!bytes) return false;
             std::span<const std::byte> one(*bytes);
@@ -87,13 +92,13 @@ Expected<bool> File::read_summary() {
             contents_.metadata.push_back(std::move(*metadata));
         }
     }
-    return !contents_.chunks.empty();
+    return has_statistics && !contents_.chunks.empty();
 }
 
 Expected<File> File::open(const std::filesystem::path& path) {
     File file;
     file.path_ = path;
-    file.descriptor_ = OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    file.descriptor_ = OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (file.descriptor_.get() < 0) {
         return make_error(
             ErrorKind::kNotFound,
@@ -111,6 +116,7 @@ Expected<File> File::open(const std::filesystem::path& path) {
     const auto has_summary = file.read_summary();
     if (!has_summary) return tl::unexpected(has_summary.error());
     if (!*has_summary) {
+        file.contents_ = {};
         auto found = scan(file.descriptor_.get(), path);
         if (!found) return tl::unexpected(found.error());
         if (found->contents.chunks.empty()) {
@@ -137,10 +143,10 @@ Expected<Chunk> File::read(std::size_t number) const {
                                       contents_.chunks.size(),
                                       why.message));
     };
-    auto records = read_records(descriptor_.get(), index);
-    if (!records) return fail(records.error());
+    auto read = read_chunk_at(descriptor_.get(), index.offset, index.length);
+    if (!read) return fail(read.error());
     Chunk chunk;
-    chunk.records = std::move(*records);
+    chunk.records = std::move(read->records);
     auto messages = messages_of(chunk.records);
     if (!messages) return fail(messages.error());
     chunk.messages = std::move(*messages);

@@ -18,6 +18,7 @@ inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0
 inline constexpr std::uint64_t kRecordHeadBytes = 9;  // opcode and length
 
 enum class Opcode : std::uint8_t {
+    kNone = 0x00,  // no record begins so
     kHeader = 0x01,
     kFooter = 0x02,
     kSchema = 0x03,

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::uint64_t kMaxSmallRecordBytes = std::uint64_t{16} << 20U;
 constexpr std::size_t kMaxSchemasAndChannels = 10'000;
+constexpr std::size_t kMaxMetadata = 1'000;
 
 struct RecordHead {
     Opcode opcode{};
@@ -30,9 +31,10 @@ Expected<RecordHead> head_at(int descriptor, std::uint64_t offset) {
     return head;
 }
 
-// Adds the schemas and channels that are in a chunk's records, as other programs write them, and
-// counts its messages.
-Expected<void> look_into(std::span<const std::byte> records, Contents& contents) {
+// The schemas and channels that are in a chunk's records, as other programs write them, and the
+// number of its messages.
+Expected<Contents> look_into(std::span<const std::byte> records) {
+    Contents contents;
     while (!records.empty()) {
         const auto record = next_record(records);
         if (!record) return tl::unexpected(record.error());
@@ -52,7 +54,7 @@ Expected<void> look_into(std::span<const std::byte> records, Contents& contents)
         if (contents.schemas.size() + contents.channels.size() > kMaxSchemasAndChannels)
             return make_error(ErrorKind::kInvalidData, "too many schemas and channels");
     }
-    return {};
+    return contents;
 }
 
 class Scanner {
@@ -65,6 +67,7 @@ public:
             const auto done = next();
             if (!done) {
                 scan_.fault = done.error().message;
+                scan_.is_read = done.error().kind == ErrorKind::kInvalidData;
                 break;
             }
             if (*done) break;
@@ -77,6 +80,8 @@ private:
     Expected<bool> next() {
         const std::uint64_t at = at_;
         if (at == size_) return make_error(ErrorKind::kInvalidData, "it has no end");
+        if (size_ - at < kRecordHeadBytes)
+            return make_error(ErrorKind::kInvalidData, "its last record is cut off");
         const auto head = head_at(descriptor_, at);
         if (!head) return tl::unexpected(head.error());
         if (head->length > size_ - at - kRecordHeadBytes)
@@ -88,7 +93,7 @@ private:
                 scan_.is_complete = true;
                 return true;
             case Opcode::kChunk:
-                finish_chunk();
+                finish_chunk(at);
                 if (const auto done = add_chunk(at, *head); done) {
                     scan_.end = end;
                     is_damaged_ = false;
@@ -103,6 +108,7 @@ private:
                 if (auto done = add_index(at, *head); !done) return tl::unexpected(done.error());
                 break;
             case Opcode::kMessage:
+                scan_.has_loose_messages = true;
                 return make_error(ErrorKind::kInvalidData,
                                   "it has messages outside of chunks; rewrite it with chunks "
                                   "(mcap recover)");
@@ -112,6 +118,9 @@ private:
                 if (auto done = add_small(at, *head); !done) return tl::unexpected(done.error());
                 scan_.end = end;
                 break;
+            case Opcode::kNone:
+                return make_error(ErrorKind::kInvalidData,
+                                  fmt::format("it is damaged at byte {}", at));
             default:
                 break;  // the header, and what this program does not know
         }
@@ -120,25 +129,25 @@ private:
     }
 
     Expected<void> add_chunk(std::uint64_t at, const RecordHead& head) {
-        ChunkIndex index;
-        index.offset = at;
-        index.length = kRecordHeadBytes + head.length;
-        const auto content = read_at(descriptor_, at + kRecordHeadBytes, head.length);
-        if (!content) return tl::unexpected(content.error());
-        const auto chunk = read_chunk(*content);
+        auto chunk = read_chunk_at(descriptor_, at, kRecordHeadBytes + head.length);
         if (!chunk) return tl::unexpected(chunk.error());
-        const auto records =
-            decompress(chunk->index.compression, chunk->records, chunk->index.size);
-        if (!records) return tl::unexpected(records.error());
-        if (chunk->crc != 0 && chunk->crc != crc32(*records))
-            return make_error(ErrorKind::kInvalidData, "a chunk is damaged (CRC)");
-        if (auto done = look_into(*records, scan_.contents); !done) return done;
-        index.first = chunk->index.first;
-        index.last = chunk->index.last;
-        index.compression = chunk->index.compression;
-        index.compressed_size = chunk->index.compressed_size;
-        index.size = chunk->index.size;
-        scan_.contents.chunks.push_back(std::move(index));
+        if (auto done = add_records(chunk->records); !done) return done;
+        scan_.contents.chunks.push_back(std::move(chunk->index));
+        return {};
+    }
+
+    // All or nothing.
+    Expected<void> add_records(std::span<const std::byte> records) {
+        auto found = look_into(records);
+        if (!found) return tl::unexpected(found.error());
+        Contents& all = scan_.contents;
+        if (all.schemas.size() + all.channels.size() + found->schemas.size() +
+                found->channels.size() >
+            kMaxSchemasAndChannels)
+            return make_error(ErrorKind::kInvalidData, "too many schemas and channels");
+        for (auto& [id, schema] : found->schemas) all.schemas[id] = std::move(schema);
+        for (auto& [id, channel] : found->channels) all.channels[id] = std::move(channel);
+        for (const auto& [id, num] : found->num_messages) all.num_messages[id] += num;
         return {};
     }
 
@@ -157,8 +166,10 @@ private:
         return {};
     }
 
-    void finish_chunk() {
+    // The records up to `at` are those of the last chunk.
+    void finish_chunk(std::uint64_t at) {
         if (!scan_.contents.chunks.empty() && !open_indexes_.empty()) {
+            scan_.end = at;
             ChunkIndex& chunk = scan_.contents.chunks.back();
             chunk.message_indexes = std::move(open_indexes_);
             chunk.message_index_length = open_length_;
@@ -168,12 +179,14 @@ private:
     }
 
     Expected<void> add_small(std::uint64_t at, const RecordHead& head) {
-        finish_chunk();
+        finish_chunk(at);
         if (head.length > kMaxSmallRecordBytes)
             return make_error(ErrorKind::kInvalidData, "a record is too long");
         const auto bytes = read_at(descriptor_, at, kRecordHeadBytes + head.length);
         if (!bytes) return tl::unexpected(bytes.error());
-        if (head.opcode != Opcode::kMetadata) return look_into(*bytes, scan_.contents);
+        if (head.opcode != Opcode::kMetadata) return add_records(*bytes);
+        if (scan_.contents.metadata.size() == kMaxMetadata)
+            return make_error(ErrorKind::kInvalidData, "too much metadata");
         auto metadata = read_metadata(std::span(*bytes).subspan(kRecordHeadBytes));
         if (!metadata) return tl::unexpected(metadata.error());
         metadata->offset = at;
@@ -229,23 +242,30 @@ Expected<Scan> scan(int descriptor, const std::filesystem::path& file) {
     return Scanner(descriptor, static_cast<std::uint64_t>(status.st_size)).run();
 }
 
-Expected<Bytes> read_records(int descriptor, const ChunkIndex& chunk) {
-    if (chunk.length < kRecordHeadBytes || chunk.compressed_size > chunk.length)
+Expected<ReadChunk> read_chunk_at(int descriptor, std::uint64_t offset, std::uint64_t length) {
+    if (length < kRecordHeadBytes)
         return make_error(ErrorKind::kInvalidData, "its index is damaged");
-    const auto bytes = read_at(descriptor, chunk.offset, chunk.length);
+    if (length > kMaxChunkRecordBytes) {
+        return make_error(
+            ErrorKind::kInvalidData,
+            fmt::format("a chunk of {} bytes; at most {} are read", length, kMaxChunkRecordBytes));
+    }
+    const auto bytes = read_at(descriptor, offset, length);
     if (!bytes) return tl::unexpected(bytes.error());
     std::span<const std::byte> rest(*bytes);
     const auto record = next_record(rest);
     if (!record) return tl::unexpected(record.error());
     if (record->opcode != Opcode::kChunk)
         return make_error(ErrorKind::kInvalidData, "its index names a place that is no chunk");
-    const auto content = read_chunk(record->content);
+    auto content = read_chunk(record->content);
     if (!content) return tl::unexpected(content.error());
     auto records = decompress(content->index.compression, content->records, content->index.size);
-    if (!records) return records;
+    if (!records) return tl::unexpected(records.error());
     if (content->crc != 0 && content->crc != crc32(*records))
         return make_error(ErrorKind::kInvalidData, "a chunk is damaged (CRC)");
-    return records;
+    content->index.offset = offset;
+    content->index.length = length;
+    return ReadChunk{std::move(content->index), std::move(*records)};
 }
 
 Expected<std::vector<Message>> messages_of(std::span<const std::byte> records) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "core/mcap/compression.hpp"
 #include "core/mcap/records.hpp"
 
 #include <cstdint>
@@ -14,8 +15,10 @@ struct Scan {
     Contents contents;
     std::uint64_t end = 0;               // behind the last whole record that is kept
     bool is_complete = false;            // the data section has its end
+    bool is_read = true;                 // false: the disk could not be read
     std::string fault;                   // why it ended earlier
     std::size_t num_damaged_chunks = 0;  // left out
+    bool has_loose_messages = false;     // outside of chunks: not read
 };
 
 /// Reads from the start of the file up to the end of its data, or up to the first record that is
@@ -23,8 +26,16 @@ struct Scan {
 /// file.
 Expected<Scan> scan(int descriptor, const std::filesystem::path& file);
 
-/// The decompressed records of a chunk, checked by its CRC.
-Expected<Bytes> read_records(int descriptor, const ChunkIndex& chunk);
+/// Longest chunk record that is read: no more memory is taken for one, whatever a file says.
+inline constexpr std::uint64_t kMaxChunkRecordBytes = kMaxChunkBytes + (std::uint64_t{1} << 20U);
+
+/// A chunk, as its own record says; without its message indexes.
+struct ReadChunk {
+    ChunkIndex index;
+    Bytes records;  // decompressed, checked by the CRC
+};
+/// kInvalidData if there is no whole chunk record of `length` bytes, head included.
+Expected<ReadChunk> read_chunk_at(int descriptor, std::uint64_t offset, std::uint64_t length);
 
 /// The messages in the records of a chunk. Other records in it are left out.
 Expected<std::vector<Message>> messages_of(std::span<const std::byte> records);

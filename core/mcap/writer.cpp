@@ -38,7 +38,9 @@ Expected<Writer> Writer::create(const std::filesystem::path& file, std::size_t n
         }
         return tl::unexpected(cannot_write(file, "create it", errno));
     }
-    ::flock(descriptor.get(), LOCK_EX | LOCK_NB);  // a new file: nobody else has it
+    // A new file: nobody else has it, but a reader that looks whether it is locked, for a moment.
+    while (::flock(descriptor.get(), LOCK_EX) != 0 && errno == EINTR) {
+    }
     Writer writer(file, std::move(descriptor), num_lanes);
     Bytes head;
     put_bytes(head, std::as_bytes(std::span(kMagic)));
@@ -121,7 +123,9 @@ Expected<void> Writer::flush(std::size_t lane) {
         put_bytes(buffer_, indexes);
         return append(buffer_);
     }();
-    if (written) {
+    if (!written) {
+        num_lost_ += builder.num_messages;
+    } else {
         for (const auto& [channel, places] : builder.index)
             contents_.num_messages[channel] += places.size();
         contents_.chunks.push_back(std::move(chunk));
@@ -131,10 +135,14 @@ Expected<void> Writer::flush(std::size_t lane) {
 }
 
 Expected<void> Writer::finish() {
+    if (std::exchange(is_finished_, true)) return {};
+    Expected<void> flushed;
     for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
-        if (auto done = flush(lane); !done) return done;
+        if (auto done = flush(lane); !done) flushed = done;
     }
-    return append(end_of_file(contents_, end_));
+    // Also after a chunk that found no room: a summary is small.
+    auto done = append(end_of_file(contents_, end_));
+    return flushed ? done : flushed;
 }
 
 Expected<void> repair(const std::filesystem::path& file) {
@@ -146,6 +154,14 @@ Expected<void> repair(const std::filesystem::path& file) {
     }
     auto scanned = scan(descriptor.get(), file);
     if (!scanned) return tl::unexpected(scanned.error());
+    // Nothing to keep, or more than would be kept.
+    if (!scanned->is_read || scanned->has_loose_messages || scanned->contents.chunks.empty()) {
+        const bool is_empty = scanned->is_read && !scanned->has_loose_messages;
+        return make_error(
+            scanned->is_read ? ErrorKind::kInvalidData : ErrorKind::kUnavailable,
+            fmt::format(
+                "{}: {}", file.string(), is_empty ? "it has no whole chunk" : scanned->fault));
+    }
     Writer writer(file, std::move(descriptor), 0);
     // The indexes of the last chunk may be cut off: they are written anew.
     writer.end_ = scanned->end;
@@ -155,12 +171,19 @@ Expected<void> repair(const std::filesystem::path& file) {
         return tl::unexpected(cannot_write(file, "repair it", errno));
     if (!contents.chunks.empty() && contents.chunks.back().message_indexes.empty()) {
         ChunkIndex& last = contents.chunks.back();
-        auto records = read_records(writer.descriptor_.get(), last);
-        if (!records) return tl::unexpected(records.error());
+        auto chunk = read_chunk_at(writer.descriptor_.get(), last.offset, last.length);
+        if (!chunk) return tl::unexpected(chunk.error());
+        // Their places among the records, where other programs have schemas and channels too.
         ChunkBuilder builder;
-        auto messages = messages_of(*records);
-        if (!messages) return tl::unexpected(messages.error());
-        for (const Message& message : *messages) builder.add(message);
+        for (std::span<const std::byte> rest(chunk->records); !rest.empty();) {
+            const std::uint64_t at = chunk->records.size() - rest.size();
+            const auto record = next_record(rest);
+            if (!record) return tl::unexpected(record.error());
+            if (record->opcode != Opcode::kMessage) continue;
+            const auto message = read_message(record->content);
+            if (!message) return tl::unexpected(message.error());
+            builder.index[message->channel].emplace_back(message->log_time, at);
+        }
         if (auto done = writer.append(message_indexes(builder, writer.end_, last)); !done)
             return done;
     }

@@ -49,13 +49,15 @@ public:
     /// Writes the lane's chunk, if it holds something. After an error (disk full) the file ends
     /// behind the last whole chunk and the messages of this one are lost.
     Expected<void> flush(std::size_t lane);
-    /// Flushes all lanes and writes the summary. Nothing may be written afterwards. Without it, or
-    /// if it fails, the file lacks only the summary: `File::open` finds the chunks without.
+    /// Flushes all lanes and writes the summary, once: nothing may be written afterwards. Without
+    /// it, or if it fails, the file lacks only the summary: `File::open` finds the chunks without.
     Expected<void> finish();
 
     /// Of the file so far.
     std::uint64_t num_bytes() const { return end_; }
     const Contents& contents() const { return contents_; }
+    /// Messages of chunks that could not be written.
+    std::uint64_t num_lost() const { return num_lost_; }
 
 private:
     Writer(std::filesystem::path file, OpenFile descriptor, std::size_t num_lanes);
@@ -69,10 +71,13 @@ private:
     std::vector<ChunkBuilder> lanes_;
     ZstdCompressor compressor_;
     Bytes buffer_;
+    std::uint64_t num_lost_ = 0;
+    bool is_finished_ = false;
 };
 
 /// Completes a file that was cut off: removes what is behind the last whole chunk and writes the
-/// summary. kUnavailable if another process is writing it; kInvalidData if it has no whole chunk.
+/// summary. kUnavailable if another process is writing it; kInvalidData if it has no whole chunk,
+/// or messages outside of chunks, which would be lost.
 Expected<void> repair(const std::filesystem::path& file);
 
 }  // namespace atrium::mcap
