@@ -5,6 +5,12 @@
 #include <utility>
 
 namespace atrium::recording {
+namespace {
+
+// Chunks of one time that are held at once: a recorder's are two, of 4 MiB each.
+constexpr std::size_t kMaxLoadedBytes = std::size_t{1} << 30U;
+
+}  // namespace
 
 Cursor::Cursor(std::shared_ptr<const WorldFile> world) : world_(std::move(world)) {
     const auto& chunks = world_->file().contents().chunks;
@@ -24,6 +30,13 @@ void Cursor::seek_to(Timestamp time) {
 }
 
 void Cursor::load(std::size_t number) {
+    std::size_t num_bytes = 0;
+    for (const Loaded& one : loaded_) num_bytes += one.chunk->records.size();
+    if (num_bytes > kMaxLoadedBytes) {
+        ++num_damaged_;
+        damage_ = world_->file().path().string() + ": too many chunks of the same time";
+        return;
+    }
     auto read = world_->file().read(number);
     if (!read) {
         ++num_damaged_;

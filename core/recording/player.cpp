@@ -14,6 +14,10 @@ constexpr double kMinSpeed = 0.05;
 constexpr double kMaxSpeed = 20.0;
 // A player that is later than this goes on from there: it does not hurry through the past.
 constexpr std::chrono::milliseconds kLatest{250};
+constexpr std::chrono::duration<double> kLongestWait{1e8};  // three years
+// A loop begins anew at most so often, however near its marks are.
+constexpr std::chrono::milliseconds kShortestLoop{100};
+constexpr int kMaxSteps = 1'000'000;
 
 }  // namespace
 
@@ -50,12 +54,7 @@ bool Player::is_wanted(const bus::RawTopic& topic, const std::string& key) const
 void Player::write(const PlayedSample& sample, bool is_known_wanted) {
     if (!outputs_.contains(sample.topic)) return;
     const auto key = sample.topic->key_of(sample.raw);
-    if (!key) {
-        const std::lock_guard lock(mutex_);
-        ++state_.num_refused;
-        state_.fault = std::string(sample.topic->name()) + ": " + key.error().message;
-        return;
-    }
+    if (!key) return refuse(*sample.topic, key.error());
     if (!is_known_wanted && !is_wanted(*sample.topic, *key)) return;
     bus::RawSample raw = sample.raw;
     raw.written = Timestamp::now() + (sample.raw.written - sample.time);
@@ -65,10 +64,15 @@ void Player::write(const PlayedSample& sample, bool is_known_wanted) {
                  (sample.topic->name() == "SitePlacement" && !selection_.places.empty()));
     if (!is_changed) return write(*sample.topic, raw, *key);
     const auto changed = renamed(*sample.topic, raw, selection_.names, selection_.places);
-    if (!changed) return;
+    if (!changed) return refuse(*sample.topic, changed.error());
     raw.cdr = *changed;
-    const auto new_key = sample.topic->key_of(raw);
-    if (new_key) write(*sample.topic, raw, *new_key);
+    write(*sample.topic, raw, renamed_key(*sample.topic, *key, selection_.names));
+}
+
+void Player::refuse(const bus::RawTopic& topic, const Error& why) {
+    const std::lock_guard lock(mutex_);
+    ++state_.num_refused;
+    state_.fault = std::string(topic.name()) + ": " + why.message;
 }
 
 void Player::write(const bus::RawTopic& topic,
@@ -145,6 +149,7 @@ std::optional<Timestamp> Player::frame_time(Timestamp from, int num) {
     }
     // Backwards: looks at longer and longer pieces in front of it.
     for (std::chrono::nanoseconds back = std::chrono::seconds(1);; back *= 4) {
+        back = std::min(back, world_->duration());
         const Timestamp begin = std::max(world_->begin(), from + -back);
         cursor.seek_to(begin);
         std::vector<Timestamp> times;
@@ -165,11 +170,12 @@ std::optional<Timestamp> Player::frame_time(Timestamp from, int num) {
 bool Player::obey(std::unique_lock<std::mutex>& lock) {
     if (wanted_steps_ != 0) {
         const int steps = std::exchange(wanted_steps_, 0);
-        const Timestamp from = absolute(wanted_time_ ? *wanted_time_ : state_.time);
+        const auto from = std::exchange(wanted_time_, std::nullopt);
         lock.unlock();
-        const auto time = frame_time(from, steps);
+        const auto time = frame_time(absolute(from.value_or(state_.time)), steps);
         lock.lock();
-        if (time && !wanted_time_) wanted_time_ = *time - world_->begin();
+        // Unless somebody asked for another time meanwhile.
+        if (!wanted_time_) wanted_time_ = time ? *time - world_->begin() : from;
     }
     if (!wanted_time_) return false;
     const std::chrono::nanoseconds time = *std::exchange(wanted_time_, std::nullopt);
@@ -187,11 +193,15 @@ void Player::play_on(std::unique_lock<std::mutex>& lock, const std::stop_token& 
         Clock::time_point clock;
         std::chrono::nanoseconds time{0};
         double speed = 1.0;
+        // Damaged files may have times of centuries.
         Clock::time_point due(std::chrono::nanoseconds at) const {
-            return clock + std::chrono::duration_cast<Clock::duration>((at - time) / speed);
+            const std::chrono::duration<double> wait = (at - time) / speed;
+            return clock + std::chrono::duration_cast<Clock::duration>(
+                               std::clamp(wait, -kLongestWait, kLongestWait));
         }
     } pace;
     is_new_pace_ = true;
+    const Clock::time_point loop_begin = Clock::now();
     const auto is_disturbed = [this] {
         return wanted_time_ || wanted_steps_ != 0 || is_new_pace_ || !state_.is_playing;
     };
@@ -205,7 +215,8 @@ void Player::play_on(std::unique_lock<std::mutex>& lock, const std::stop_token& 
         if (!cursor_.damage().empty()) state_.fault = cursor_.damage();
         const bool is_over = next == nullptr || next->time - world_->begin() > out;
         const std::chrono::nanoseconds at = is_over ? out : next->time - world_->begin();
-        const Clock::time_point due = pace.due(at);
+        Clock::time_point due = pace.due(at);
+        if (is_over && state_.loops) due = std::max(due, loop_begin + kShortestLoop);
         if (changed_.wait_until(lock, stop, due, is_disturbed)) {
             state_.time =
                 std::clamp(pace.time + std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -291,7 +302,8 @@ void Player::pause() {
 void Player::step(int num) {
     const std::lock_guard lock(mutex_);
     state_.is_playing = false;
-    wanted_steps_ += num;
+    wanted_steps_ =
+        std::clamp(wanted_steps_ + std::clamp(num, -kMaxSteps, kMaxSteps), -kMaxSteps, kMaxSteps);
     is_shown_ = false;
     changed_.notify_all();
 }

@@ -97,6 +97,7 @@ private:
 
     bool is_wanted(const bus::RawTopic& topic, const std::string& key) const;
     void write(const PlayedSample& sample, bool is_known_wanted);
+    void refuse(const bus::RawTopic& topic, const Error& why);
     void write(const bus::RawTopic& topic, const bus::RawSample& sample, const std::string& key);
     void show(Timestamp time);
     void end_all_but(const std::set<std::pair<const bus::RawTopic*, std::string>>& alive);

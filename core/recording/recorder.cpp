@@ -71,13 +71,26 @@ void Recorder::receive(const bus::RawTopic& topic, const bus::RawSample& sample)
     // The key costs a copy of the sample: only where it is needed.
     if (!options_.sites.empty() || is_kept(topic)) {
         const auto key = topic.key_of(sample);
-        const auto site = key ? site_of(topic, *key) : std::nullopt;
+        if (!key) {
+            const std::lock_guard lock(mutex_);
+            ++counters_.num_rejected;
+            return;
+        }
+        const auto site = site_of(topic, *key);
         if (site && !options_.sites.empty() && !options_.sites.contains(*site)) return;
         if (site && topic.name() == "SiteDescription") {
             const std::lock_guard lock(mutex_);
             counters_.sites.insert(*site);
         }
     }
+    // As for the line: a reader may hold thousands of samples of hostile programs.
+    const std::uint64_t size = sample.cdr.size() + kSampleOverhead;
+    if (batch_bytes_ + size > options_.buffer_bytes) {
+        const std::lock_guard lock(mutex_);
+        drop(topic);
+        return;
+    }
+    batch_bytes_ += size;
     batch_.push_back({&topic,
                       sample.kind,
                       {},
@@ -95,14 +108,19 @@ void Recorder::put_in_line() {
         sample.time = now();
         const std::uint64_t size = sample.cdr.size() + kSampleOverhead;
         if (waiting_bytes_ + size > options_.buffer_bytes || is_over_) {
-            ++counters_.num_dropped;
-            ++counters_.dropped[std::string(sample.topic->name())];
+            drop(*sample.topic);
             continue;
         }
         waiting_bytes_ += size;
         line_.push_back(std::move(sample));
     }
     batch_.clear();
+    batch_bytes_ = 0;
+}
+
+void Recorder::drop(const bus::RawTopic& topic) {
+    ++counters_.num_dropped;
+    ++counters_.dropped[std::string(topic.name())];
 }
 
 void Recorder::take() {
@@ -142,7 +160,7 @@ Expected<void> Recorder::check_disk() {
         std::filesystem::absolute(options_.writer.file).parent_path(), failure);
     if (failure || space.available >= options_.spare_disk_bytes) return {};
     return make_error(ErrorKind::kUnavailable,
-                      fmt::format("{}: the disk is full: {} MB are left free; the recording ends "
+                      fmt::format("{}: the disk is full: {} MiB are left free; the recording ends "
                                   "here and is complete up to here",
                                   writer_.files().back().string(),
                                   options_.spare_disk_bytes >> 20U));
@@ -178,8 +196,14 @@ void Recorder::write_until_stopped() {
             if (done) {
                 ++counters_.num_samples;
                 counters_.num_bytes += sample.cdr.size();
+            } else {
+                drop(*sample.topic);
             }
             samples.pop_front();
+        }
+        if (!done) {
+            const std::lock_guard lock(mutex_);
+            for (const Recorded& sample : samples) drop(*sample.topic);
         }
         const Clock::time_point now = Clock::now();
         if (done) done = writer_.flush_due(now);
@@ -200,7 +224,12 @@ void Recorder::write_until_stopped() {
     if (done) done = finished;
     const std::lock_guard lock(mutex_);
     counters_.file_bytes = writer_.num_bytes();
+    counters_.files = writer_.files();
+    counters_.num_samples -= std::min(counters_.num_samples, writer_.num_lost());
+    counters_.num_dropped += writer_.num_lost();
     if (!done) {
+        for (const Recorded& sample : std::exchange(line_, {})) drop(*sample.topic);
+        waiting_bytes_ = 0;
         is_over_ = true;
         written_ = std::move(done);
         waiter_.wake();

@@ -32,7 +32,7 @@ struct RecorderCounters {
     std::uint64_t num_bytes = 0;                   // of these, uncompressed
     std::uint64_t num_dropped = 0;                 // the disk did not keep up
     std::map<std::string, std::uint64_t> dropped;  // by topic
-    std::uint64_t num_rejected = 0;                // samples that nobody could read
+    std::uint64_t num_rejected = 0;                // samples without a valid key
     std::uint64_t waiting_bytes = 0;
     std::uint64_t file_bytes = 0;
     std::vector<std::filesystem::path> files;
@@ -70,6 +70,7 @@ private:
     void take();
     void receive(const bus::RawTopic& topic, const bus::RawSample& sample);
     void put_in_line();
+    void drop(const bus::RawTopic& topic);  // with the lock held
     Timestamp now() const;
     void write_until_stopped();
     Expected<void> write_some();
@@ -81,6 +82,7 @@ private:
     bus::Waiter waiter_;
     std::vector<Source> sources_;
     std::vector<Recorded> batch_;  // of one `take`
+    std::uint64_t batch_bytes_ = 0;
     // The times of a recording go on evenly, also when the host's clock is set.
     Timestamp begin_ = Timestamp::now();
     std::chrono::steady_clock::time_point steady_begin_ = std::chrono::steady_clock::now();

@@ -1,6 +1,7 @@
 #include "core/recording/world_file.hpp"
 
 #include "core/bus/messages.hpp"
+#include "core/bus/names.hpp"
 #include "core/recording/topic_roles.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +24,24 @@ std::string entry(const mcap::File& file, const std::string& key) {
     const mcap::Metadata* const metadata = own_metadata(file);
     if (metadata == nullptr) return {};
     const auto found = metadata->entries.find(key);
-    return found == metadata->entries.end() ? "" : found->second;
+    return found == metadata->entries.end() ? "" : bus::as_line(found->second);
+}
+
+// A copy of the chosen messages: chunks of other programs have them among pictures.
+std::shared_ptr<const mcap::Chunk> only(const mcap::Chunk& chunk,
+                                        const std::vector<std::size_t>& chosen) {
+    auto copy = std::make_shared<mcap::Chunk>();
+    std::size_t size = 0;
+    for (const std::size_t i : chosen) size += chunk.messages[i].data.size();
+    copy->records.reserve(size);
+    for (const std::size_t i : chosen) {
+        mcap::Message message = chunk.messages[i];
+        const std::size_t at = copy->records.size();
+        copy->records.insert(copy->records.end(), message.data.begin(), message.data.end());
+        message.data = std::span(copy->records).subspan(at, message.data.size());
+        copy->messages.push_back(message);
+    }
+    return copy;
 }
 
 RecordedChannel channel_named(std::string_view topic) {
@@ -95,10 +113,14 @@ void WorldFile::read_kept() {
         if (!may_have) continue;
         auto read = file_.read(i);
         if (!read) continue;
-        const auto chunk = std::make_shared<const mcap::Chunk>(std::move(*read));
+        std::vector<std::size_t> chosen;
+        for (std::size_t k = 0; k < read->messages.size(); ++k) {
+            const RecordedChannel known = channel(read->messages[k].channel);
+            if (known.topic != nullptr && is_kept(*known.topic)) chosen.push_back(k);
+        }
+        const auto chunk = only(*read, chosen);
         for (const mcap::Message& message : chunk->messages) {
             const RecordedChannel known = channel(message.channel);
-            if (known.topic == nullptr || !is_kept(*known.topic)) continue;
             const bus::RawSample raw{known.kind, message.publish_time, message.data};
             auto key = known.topic->key_of(raw);
             if (!key) continue;  // refused when it is played

@@ -13,7 +13,9 @@ constexpr std::size_t kKeptLane = 0;
 constexpr std::size_t kOtherLane = 1;
 constexpr std::size_t kNumLanes = 2;
 constexpr std::size_t kChunkBytes = std::size_t{4} << 20U;
-constexpr std::size_t kMaxKept = 100'000;  // instances, of hostile programs
+// Of what is kept for the next file; hostile programs could make more.
+constexpr std::size_t kMaxForNext = 100'000;
+constexpr std::size_t kMaxBytesForNext = std::size_t{64} << 20U;
 
 constexpr std::string_view kNoteSchema =
     R"({"type":"object","properties":{"num_samples":{"type":"integer"},)"
@@ -44,7 +46,11 @@ Expected<WorldWriter> WorldWriter::create(WriterOptions options) {
 }
 
 Expected<void> WorldWriter::begin_file(Timestamp time) {
-    const std::filesystem::path file = part_name(options_.file, files_.size() + 1);
+    std::filesystem::path file = part_name(options_.file, ++last_number_);
+    // Nobody is there to choose another name when a recording of hours goes on in its next file.
+    std::error_code failure;
+    while (!files_.empty() && std::filesystem::exists(file, failure))
+        file = part_name(options_.file, ++last_number_);
     auto out = mcap::Writer::create(file, kNumLanes);
     if (!out) return tl::unexpected(out.error());
     out_.emplace(std::move(*out));
@@ -93,15 +99,25 @@ Expected<void> WorldWriter::put(const Recorded& sample, Timestamp time) {
 
 Expected<void> WorldWriter::write(const Recorded& sample) {
     if (auto cut = cut_if_due(sample.time); !cut) return cut;
-    if (is_kept(*sample.topic)) {
-        const auto key = sample.topic->key_of({sample.kind, sample.written, sample.cdr});
+    if (cuts() && is_kept(*sample.topic)) {
+        auto key = sample.topic->key_of({sample.kind, sample.written, sample.cdr});
         if (!key) return {};  // it cannot have come from a reader
-        if (sample.kind != bus::RawKind::kSample)
-            kept_.erase({sample.topic, *key});
-        else if (kept_.size() < kMaxKept)
-            kept_[{sample.topic, *key}] = sample;
+        keep(sample, std::move(*key));
     }
     return put(sample, sample.time);
+}
+
+void WorldWriter::keep(const Recorded& sample, std::string key) {
+    const std::pair name{sample.topic, std::move(key)};
+    if (const auto old = kept_.find(name); old != kept_.end()) {
+        kept_bytes_ -= old->second.cdr.size();
+        kept_.erase(old);
+    }
+    if (sample.kind != bus::RawKind::kSample || kept_.size() >= kMaxForNext ||
+        kept_bytes_ + sample.cdr.size() > kMaxBytesForNext)
+        return;
+    kept_bytes_ += sample.cdr.size();
+    kept_.emplace(name, sample);
 }
 
 Expected<void> WorldWriter::cut_if_due(Timestamp time) {
@@ -110,8 +126,11 @@ Expected<void> WorldWriter::cut_if_due(Timestamp time) {
         options_.cut_after.count() > 0 && file_begin_ && time - *file_begin_ >= options_.cut_after;
     if (!is_full && !is_over) return {};
     if (auto done = finish(); !done) return done;
-    bytes_of_former_ += out_->num_bytes();
+    const std::uint64_t num_bytes = out_->num_bytes();
+    const std::uint64_t num_lost = out_->num_lost();
     if (auto begun = begin_file(time); !begun) return begun;
+    bytes_of_former_ += num_bytes;
+    lost_by_former_ += num_lost;
     for (const auto& [key, sample] : kept_) {
         if (auto done = put(sample, time); !done) return done;
     }
@@ -144,6 +163,8 @@ Expected<void> WorldWriter::flush_due(std::chrono::steady_clock::time_point now)
 }
 
 Expected<void> WorldWriter::finish() { return out_->finish(); }
+
+std::uint64_t WorldWriter::num_lost() const { return lost_by_former_ + out_->num_lost(); }
 
 std::uint64_t WorldWriter::num_bytes() const {
     return bytes_of_former_ + (out_ ? out_->num_bytes() : 0);

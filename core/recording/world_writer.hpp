@@ -25,7 +25,8 @@ struct Recorded {
 };
 
 struct WriterOptions {
-    /// Ends in .mcap. Further files have a number before the ending: world-2.mcap.
+    /// Ends in .mcap. Further files have a number before the ending: world-2.mcap. Numbers whose
+    /// files exist already are left out.
     std::filesystem::path file;
     std::string world;
     std::string host;
@@ -59,9 +60,12 @@ public:
 
     const std::vector<std::filesystem::path>& files() const { return files_; }
     std::uint64_t num_bytes() const;  // of all files
+    /// Samples that were given to `write` and are in no file: their chunk could not be written.
+    std::uint64_t num_lost() const;
 
 private:
     explicit WorldWriter(WriterOptions options) : options_(std::move(options)) {}
+    bool cuts() const { return options_.cut_bytes > 0 || options_.cut_after.count() > 0; }
     Expected<void> begin_file(Timestamp time);
     Expected<std::uint16_t> channel_of(const bus::RawTopic& topic, bus::RawKind kind);
     Expected<void> put(const Recorded& sample, Timestamp time);
@@ -74,14 +78,19 @@ private:
     WriterOptions options_;
     std::optional<mcap::Writer> out_;
     std::vector<std::filesystem::path> files_;
+    std::size_t last_number_ = 0;  // in the name of the newest file
     std::uint64_t bytes_of_former_ = 0;
+    std::uint64_t lost_by_former_ = 0;
     std::map<std::string, std::uint16_t, std::less<>> schemas_;
     std::map<std::pair<const bus::RawTopic*, bus::RawKind>, std::uint16_t> channels_;
     std::optional<std::uint16_t> notes_;
     std::map<std::uint16_t, std::uint32_t> sequences_;
     std::vector<Lane> lanes_;
+    void keep(const Recorded& sample, std::string key);
+
     /// The newest sample of each instance that is kept, by topic and key: for the next file.
     std::map<std::pair<const bus::RawTopic*, std::string>, Recorded> kept_;
+    std::size_t kept_bytes_ = 0;
     std::optional<Timestamp> file_begin_;
 };
 

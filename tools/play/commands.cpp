@@ -15,7 +15,9 @@ constexpr std::chrono::seconds kLongestShow{5};
 
 double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
-std::string error_json(const std::string& what) { return Json{{"error", what}}.dump(); }
+std::string error_json(const std::string& what) {
+    return Json{{"error", what}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 // A number in a command; nullopt and a fault if it is missing or none.
 std::optional<double> number(const Json& command, const char* key, std::string& fault) {

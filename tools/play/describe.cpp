@@ -1,23 +1,16 @@
 #include "tools/play/describe.hpp"
 
+#include "core/bus/names.hpp"
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include <array>
 #include <filesystem>
 
 namespace atrium::play {
 namespace {
-
-constexpr std::array<const char*, 6> kKinds{
-    "site", "world server", "viewer", "other", "camera node", "region node"};
-
-std::string kind_text(bus::ProgramKind kind) {
-    const auto number = static_cast<std::size_t>(kind);
-    return number < kKinds.size() ? kKinds[number] : "unknown";
-}
 
 double duration_s(const recording::WorldFile& world) {
     return std::chrono::duration<double>(world.duration()).count();
@@ -48,7 +41,7 @@ std::string describe(const recording::WorldFile& world) {
         world.sites().empty() ? "none" : fmt::format("{}", fmt::join(world.sites(), ", ")));
     for (const recording::RecordedProgram& program : world.programs()) {
         text += fmt::format("program: {} {} on {}, version {}\n",
-                            kind_text(program.kind),
+                            bus::kind_name(program.kind),
                             program.name,
                             program.host,
                             program.version);
@@ -90,12 +83,13 @@ std::string describe_json(const recording::WorldFile& world) {
                        {"is_being_written", world.file().is_being_written()}};
     out["programs"] = nlohmann::json::array();
     for (const recording::RecordedProgram& program : world.programs()) {
-        out["programs"].push_back({{"kind", kind_text(program.kind)},
+        out["programs"].push_back({{"kind", bus::kind_name(program.kind)},
                                    {"name", program.name},
                                    {"host", program.host},
                                    {"version", program.version}});
     }
-    return out.dump();
+    // A path need not be UTF-8.
+    return out.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace atrium::play

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cstdlib>
 #include <thread>
 
@@ -50,9 +51,14 @@ std::vector<std::string> Keyboard::read(std::chrono::milliseconds timeout) {
     if (::poll(&input, 1, static_cast<int>(timeout.count())) <= 0) return {};
     char bytes[4096];
     const ssize_t n = ::read(STDIN_FILENO, bytes, sizeof(bytes));
+    if (n < 0 && (errno == EAGAIN || errno == EINTR)) return {};
     if (n <= 0) {
-        if (!has_keys_) is_open_ = false;
-        return {};
+        // A terminal that is gone is ready for ever.
+        if (has_keys_ && (input.revents & (POLLHUP | POLLERR)) == 0) return {};
+        is_open_ = false;
+        if (has_keys_) return {};
+        pending_ += '\n';  // the last line may lack its end
+        return split_lines();
     }
     pending_.append(bytes, static_cast<std::size_t>(n));
     return has_keys_ ? split_keys() : split_lines();

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -96,6 +97,25 @@ Expected<recording::PlaySelection> add_places(const PlayConfig& config,
         selection.places[site] = place;
     }
     return selection;
+}
+
+// Two sites of one name would be one on the bus; and places are for sites that are played.
+Expected<void> check_played_names(const recording::WorldFile& world,
+                                  const recording::PlaySelection& selection) {
+    std::set<std::string> names;
+    for (const std::string& site : world.sites()) {
+        if (!selection.sites.empty() && !selection.sites.contains(site)) continue;
+        const auto renamed = selection.names.find(site);
+        const std::string& name = renamed == selection.names.end() ? site : renamed->second;
+        if (!names.insert(name).second)
+            return wrong(fmt::format("rename: two sites would be named '{}'", name));
+    }
+    for (const auto& [site, place] : selection.places) {
+        if (names.contains(site)) continue;
+        return wrong(fmt::format(
+            "place: no site is played as '{}'; there are {}", site, fmt::join(names, ", ")));
+    }
+    return {};
 }
 
 // Somebody of the recording who is in the world already: two of one name would fight.
@@ -302,7 +322,11 @@ Expected<recording::PlaySelection> selection_of(const PlayConfig& config,
         selection.topics.insert(topic);
     }
     auto named = add_names(config, world, std::move(selection));
-    return named ? add_places(config, std::move(*named)) : named;
+    if (!named) return named;
+    auto placed = add_places(config, std::move(*named));
+    if (!placed) return placed;
+    if (auto good = check_played_names(world, *placed); !good) return tl::unexpected(good.error());
+    return placed;
 }
 
 Expected<void> run_play(const PlayConfig& config, std::stop_token stop) {
