@@ -35,4 +35,28 @@ using AllMessages = ::testing::Types<SiteDescription,
                                      StreamFeedback,
                                      Presence>;
 
+/// Those of `raw_topics`: not between the hosts of one site.
+using RawMessages = ::testing::Types<SiteDescription,
+                                     SiteMesh,
+                                     CameraTexture,
+                                     SitePlacement,
+                                     SceneObject,
+                                     SoftBody,
+                                     SoftBodyState,
+                                     Scenery,
+                                     SceneState,
+                                     PersonProxy,
+                                     ObjectProxy,
+                                     SceneCommand,
+                                     SceneEdit,
+                                     EditResult,
+                                     SavedWorlds,
+                                     SiteStatus,
+                                     WorldStatus,
+                                     ViewerStatus,
+                                     CameraNodeStatus,
+                                     RegionNodeStatus,
+                                     StreamFeedback,
+                                     Presence>;
+
 }  // namespace atrium::bus::testing
