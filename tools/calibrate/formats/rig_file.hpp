@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
-#include "core/config/rig.hpp"
+#include "core/config/rig_text.hpp"
 #include "tools/calibrate/formats/data_tree.hpp"
 
 #include <filesystem>
@@ -10,9 +10,7 @@
 
 namespace atrium::calibrate {
 
-/// The text of a rig.toml (docs/conventions.md#recordings). `comments` become lines at its top.
-/// Numbers are written so that reading them gives the same bits. Bounds are left out if empty.
-std::string rig_text(const config::Rig& rig, const std::vector<std::string>& comments);
+using config::rig_text;
 
 /// Whether a file of TOML is a rig, as an import writes it.
 bool is_rig(const Tree& toml);
