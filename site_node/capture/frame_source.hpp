@@ -5,6 +5,7 @@
 #include "site_node/capture/camera_counters.hpp"
 #include "site_node/capture/metaframe.hpp"
 
+#include <filesystem>
 #include <functional>
 #include <stop_token>
 #include <vector>
@@ -33,6 +34,10 @@ public:
 
     /// False if there are no pictures of the empty room of this camera.
     virtual bool has_empty_room(std::size_t /*camera*/) const { return true; }
+
+    /// Folder with the rooms that a site knew when it recorded these pictures: with them the same
+    /// masks are found. Empty: there is none.
+    virtual std::filesystem::path learned_rooms() const { return {}; }
 
     /// Number of instants that `read_picture` can read, in any order; 0: only `run` shows them. The
     /// last ones may be missing.

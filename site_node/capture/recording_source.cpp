@@ -1,7 +1,6 @@
 #include "site_node/capture/recording_source.hpp"
 
 #include "core/base/looked_up.hpp"
-#include "site_node/capture/mask_file.hpp"
 #include "site_node/capture/pace.hpp"
 #include "site_node/capture/picture_file.hpp"
 #include "site_node/capture/rig_of_pictures.hpp"
@@ -9,8 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <fstream>
 
 namespace atrium::capture {
 namespace {
@@ -24,37 +21,6 @@ constexpr std::size_t kMaxFrames = 10'000'000;
 constexpr int kLongestGap = 10;
 // As fast as possible: keeps the times of metaframes apart.
 constexpr std::chrono::nanoseconds kLeastGap = std::chrono::microseconds(2500);
-
-std::optional<std::int64_t> parse_integer(std::string_view text) {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-    while (!text.empty() && (text.back() == ' ' || text.back() == '\r')) text.remove_suffix(1);
-    std::int64_t value = 0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (failure != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
-
-// Pictures lose an odd last row or column.
-bool fits(const PictureSize& size, const geometry::PinholeCamera& expected) {
-    return (size.width & ~1) == (expected.width & ~1) &&
-           (size.height & ~1) == (expected.height & ~1);
-}
-
-tl::unexpected<Error> wrong_size(const fs::path& file,
-                                 const std::string& what_has,
-                                 const PictureSize& size,
-                                 const geometry::PinholeCamera& expected) {
-    return make_error(ErrorKind::kInvalidData,
-                      fmt::format("{}: {} {}x{} px, but rig.toml says {}x{}: correct width and "
-                                  "height, and scale fx, fy, cx and cy if the calibration is of "
-                                  "the other size",
-                                  file.string(),
-                                  what_has,
-                                  size.width,
-                                  size.height,
-                                  expected.width,
-                                  expected.height));
-}
 
 // The pictures of the camera have the rig's size, so the plate is wrong.
 tl::unexpected<Error> wrong_plate(const fs::path& file,
@@ -76,88 +42,6 @@ tl::unexpected<Error> wrong_plate(const fs::path& file,
 
 }  // namespace
 
-// Pictures of one camera, and optional masks beside them.
-class RecordingSource::Track {
-public:
-    static Expected<std::unique_ptr<Track>> open(const fs::path& folder,
-                                                 const geometry::PinholeCamera& expected,
-                                                 bool ignore_masks) {
-        auto track = std::make_unique<Track>();
-        track->expected_ = expected;
-        auto pictures = PictureFile::find(folder, "frames");
-        if (!pictures) return tl::unexpected(pictures.error());
-        track->pictures_ = std::move(*pictures);
-        if (const auto size = track->pictures_.size(); size && !fits(*size, expected))
-            return wrong_size(track->pictures_.path(), "the pictures have", *size, expected);
-        if (!ignore_masks && fs::is_directory(folder / "silhouettes")) {
-            auto masks = PictureFile::find(folder, "silhouettes");
-            if (!masks) return tl::unexpected(masks.error());
-            track->masks_ = std::move(*masks);
-            image::Mask mask;
-            const std::size_t first = track->masks_->first_picture();
-            if (auto read = track->masks_->read_mask(first, mask); !read)
-                return tl::unexpected(read.error());
-            if (auto fits = track->check_mask(mask, first); !fits)
-                return tl::unexpected(fits.error());
-            track->has_inverted_masks_ = looks_inverted(mask);
-        }
-        return track;
-    }
-
-    std::size_t num_frames() const { return pictures_.num_pictures(); }
-    std::string what_is_missing() const {
-        const std::string reason = pictures_.what_is_missing();
-        return reason.empty() && masks_ ? masks_->what_is_missing() : reason;
-    }
-    bool is_video() const { return pictures_.is_video(); }
-    bool has_masks() const { return masks_.has_value(); }
-    bool has_inverted_masks() const { return has_inverted_masks_; }
-
-    Expected<CameraFrame> read(std::size_t index) {
-        CameraFrame frame;
-        auto picture = std::make_shared<image::YuvImage>();
-        if (auto read = pictures_.read(index, *picture); !read) return tl::unexpected(read.error());
-        const PictureSize size = pictures_.size_read();
-        if (!fits(size, expected_))
-            return wrong_size(
-                pictures_.path(), fmt::format("frame {} has", index), size, expected_);
-        if (masks_) {
-            auto mask = std::make_shared<image::Mask>();
-            if (auto read = masks_->read_mask(index, *mask); !read)
-                return tl::unexpected(read.error());
-            if (auto fits = check_mask(*mask, index); !fits) return tl::unexpected(fits.error());
-            frame.silhouette = std::move(mask);
-        }
-        frame.image = image::RawImage(std::move(picture));
-        return frame;
-    }
-
-private:
-    Expected<void> check_mask(const image::Mask& mask, std::size_t index) const {
-        if (mask.width == (expected_.width & ~1) && mask.height == (expected_.height & ~1))
-            return {};
-        return make_error(
-            ErrorKind::kInvalidData,
-            fmt::format("{}: mask {} has {}x{} px, but the pictures of this camera have {}x{} "
-                        "(rig.toml): scale the masks without smoothing, for example with "
-                        "mogrify -filter point -resize '{}x{}!' {}/*.png",
-                        masks_->path().string(),
-                        index,
-                        mask.width,
-                        mask.height,
-                        expected_.width,
-                        expected_.height,
-                        expected_.width,
-                        expected_.height,
-                        masks_->path().string()));
-    }
-
-    geometry::PinholeCamera expected_;
-    PictureFile pictures_;
-    std::optional<PictureFile> masks_;
-    bool has_inverted_masks_ = false;
-};
-
 RecordingSource::RecordingSource(config::Rig rig) : rig_(std::move(rig)), counters_(rig_) {}
 
 RecordingSource::~RecordingSource() = default;
@@ -176,7 +60,7 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
     source->options_ = options;
     std::size_t num_with_masks = 0;
     for (const auto& camera : source->rig_.cameras) {
-        auto track = Track::open(
+        auto track = RecordingTrack::open(
             options.folder / camera.name, camera.intrinsics, options.ignore_silhouettes);
         if (!track) return tl::unexpected(track.error());
         source->num_frames_ = std::max(source->num_frames_, (*track)->num_frames());
@@ -211,37 +95,23 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
     return source;
 }
 
+// The times in the pictures' own files win: after a crash the others may lack the last ones.
 Expected<void> RecordingSource::load_times() {
     const fs::path file = options_.folder / "times.csv";
-    if (!fs::exists(file)) return {};
-    std::ifstream stream(file);
-    if (!stream)
-        return make_error(ErrorKind::kNotFound, fmt::format("{}: cannot open", file.string()));
-    times_ns_.assign(num_frames_, std::vector<std::optional<std::int64_t>>(tracks_.size()));
-    std::string line;
-    for (std::size_t number = 1; std::getline(stream, line); ++number) {
-        if (line.empty() || line == "\r" || (number == 1 && line.rfind("frame", 0) == 0)) continue;
-        const auto wrong = [&](const std::string& what) {
-            return make_error(ErrorKind::kInvalidData,
-                              fmt::format("{}:{}: {}", file.string(), number, what));
-        };
-        const std::size_t first = line.find(',');
-        const std::size_t second = first == std::string::npos ? first : line.find(',', first + 1);
-        if (second == std::string::npos) return wrong("expected: frame, camera, capture_time_ns");
-        const auto frame = parse_integer(std::string_view(line).substr(0, first));
-        const auto time = parse_integer(std::string_view(line).substr(second + 1));
-        std::string name = line.substr(first + 1, second - first - 1);
-        std::erase(name, ' ');
-        const auto camera = std::find_if(rig_.cameras.begin(),
-                                         rig_.cameras.end(),
-                                         [&](const auto& c) { return c.name == name; });
-        if (!frame || *frame < 0 || !time)
-            return wrong("frame and capture_time_ns must be integers");
-        if (camera == rig_.cameras.end())
-            return wrong(fmt::format("rig.toml has no camera '{}'", name));
-        if (static_cast<std::size_t>(*frame) >= num_frames_) continue;
-        times_ns_[static_cast<std::size_t>(*frame)]
-                 [static_cast<std::size_t>(camera - rig_.cameras.begin())] = *time;
+    if (fs::exists(file)) {
+        auto times = read_times(file, rig_, num_frames_);
+        if (!times) return tl::unexpected(times.error());
+        times_ns_ = std::move(*times);
+    }
+    for (std::size_t camera = 0; camera < tracks_.size(); ++camera) {
+        for (std::size_t index = 0; index < tracks_[camera]->num_frames(); ++index) {
+            const auto time = tracks_[camera]->capture_time(index);
+            if (!time) continue;
+            if (times_ns_.empty())
+                times_ns_.assign(num_frames_,
+                                 std::vector<std::optional<std::int64_t>>(tracks_.size()));
+            times_ns_[index][camera] = time->ns;
+        }
     }
     return check_times(times_ns_, file);
 }
@@ -250,6 +120,12 @@ bool RecordingSource::has_empty_room(std::size_t camera) const {
     const auto found = PictureFile::find(options_.folder / rig_.cameras[camera].name, "background");
     // a damaged file is an error of show_background, not a missing one
     return found || found.error().kind != ErrorKind::kNotFound;
+}
+
+fs::path RecordingSource::learned_rooms() const {
+    const fs::path rooms = options_.folder / kRoomsName;
+    std::error_code failure;
+    return fs::is_directory(rooms, failure) ? rooms : fs::path();
 }
 
 std::vector<Expected<void>> RecordingSource::show_background(

@@ -2,6 +2,7 @@
 
 #include "site_node/capture/frame_source.hpp"
 #include "site_node/capture/recorded_times.hpp"
+#include "site_node/capture/recording_track.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -29,8 +30,8 @@ struct RecordingOptions {
     std::function<void(const std::string&)> report_unreadable = {};
 };
 
-/// Plays a recording of image sequences or video files in real time (docs/conventions.md,
-/// "Recordings").
+/// Plays a recording of raw pictures, image sequences or video files in real time
+/// (docs/conventions.md, "Recordings").
 ///
 /// A missing or unreadable picture leaves its metaframe incomplete; it is not an error of the
 /// source. Pictures of another size than the rig says are one, when it is opened.
@@ -53,6 +54,7 @@ public:
     std::size_t num_frames() const override { return num_frames_; }
 
     bool has_empty_room(std::size_t camera) const override;
+    std::filesystem::path learned_rooms() const override;
 
     /// Instants of the recording that `run` has passed in this round. Thread-safe.
     std::size_t num_passed() const override { return std::min(next_index_.load(), num_frames_); }
@@ -64,7 +66,6 @@ public:
     Expected<CameraFrame> read_picture(std::size_t camera, std::size_t index) override;
 
 private:
-    class Track;  // the pictures of one camera
     explicit RecordingSource(config::Rig rig);
     Expected<void> load_times();
     Expected<void> show_background_of(std::size_t camera,
@@ -78,8 +79,8 @@ private:
     bool has_silhouettes_ = false;
     std::size_t num_frames_ = 0;
     std::atomic<std::size_t> next_index_{0};
-    std::vector<std::unique_ptr<Track>> tracks_;
-    RecordedTimes times_ns_;  // empty without times.csv
+    std::vector<std::unique_ptr<RecordingTrack>> tracks_;  // one per camera
+    RecordedTimes times_ns_;                               // empty without times.csv
     // short looping recordings stay decoded: playback then costs as much as live cameras
     std::vector<std::vector<std::optional<CameraFrame>>> decoded_;  // [frame][camera]
 };

@@ -232,9 +232,11 @@ Expected<BackgroundStatistics> load(const std::filesystem::path& folder,
 std::vector<Expected<BackgroundStatistics>> load_or_learn_backgrounds(
     capture::FrameSource& source,
     const std::vector<std::size_t>& cameras,
-    const BackgroundOptions& options,
+    const BackgroundOptions& asked,
     const segmentation::SegmentationOptions& segmentation,
     std::stop_token stop) {
+    BackgroundOptions options = asked;
+    if (options.folder.empty() && options.from == "auto") options.folder = source.learned_rooms();
     if (options.folder.empty()) return learn(source, cameras, options, segmentation, stop);
     std::vector<Expected<BackgroundStatistics>> rooms(cameras.size());
     std::vector<std::size_t> unknown;  // entries of `cameras`

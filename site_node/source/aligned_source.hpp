@@ -2,6 +2,7 @@
 
 #include "site_node/capture/frame_source.hpp"
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +28,7 @@ public:
     bool has_empty_room(std::size_t camera) const override {
         return source_->has_empty_room(chosen_[camera]);
     }
+    std::filesystem::path learned_rooms() const override { return source_->learned_rooms(); }
     std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
                                                 const BackgroundSink& sink,
                                                 std::stop_token stop) override;
