@@ -222,6 +222,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "texture resolution relative to the camera pictures; full: sharper, but more bytes",
             {"half", "full"});
     declare_stream(config, set);
+    declare(config.record, set);
     bus::declare(config.bus, set);
     app::declare(config.process, set);
     show_hull(config.pipeline.hull, set);
@@ -341,6 +342,11 @@ Expected<void> check(const SiteNodeConfig& config) {
         if (config.capture.rig.empty())
             return wrong("capture.rig: must be set for cameras: their calibration");
         if (auto checked = check(config.capture.cameras); !checked) return checked;
+    }
+    if (!config.record.folder.empty() && !config.hosts.empty()) {
+        return wrong(
+            "--record: a site on several hosts is not recorded: each host has the pictures of its "
+            "own cameras only");
     }
     if (config.capture.min_cameras == 1) {
         return wrong(

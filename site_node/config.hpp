@@ -7,6 +7,7 @@
 #include "simulation/room_config.hpp"
 #include "site_node/hosts/site_hosts.hpp"
 #include "site_node/pipeline.hpp"
+#include "site_node/record_config.hpp"
 #include "site_node/source/capture_config.hpp"
 #include "site_node/stream/viewer_links.hpp"
 
@@ -26,6 +27,8 @@ struct SiteNodeConfig {
     CaptureConfig capture;
     simulation::RoomConfig simulation;
     PipelineOptions pipeline;
+    RecordConfig record;
+    std::string settings;  // all options as text, for a recording
     stream::StreamOptions stream;
     /// "auto": adapts the stream, except on loopback, where no link can be slow.
     std::string stream_adapt = "auto";        // or "on", "off"

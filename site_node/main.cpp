@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
         return listed ? 0 : app::fail(listed.error());
     }
     site_node::resolve(config);
+    config.settings = options.effective();
     app::apply(config.process);
     const app::StopOnSignal stop;
     if (config.learn_background || !config.write_silhouettes.empty()) {

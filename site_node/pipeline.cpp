@@ -112,6 +112,11 @@ std::vector<std::string> Pipeline::cameras_without_background() const {
     return names;
 }
 
+const segmentation::BackgroundStatistics* Pipeline::room(std::size_t camera) const {
+    const auto& stage = stages_[camera]->silhouettes;
+    return stage && stage->room().width > 0 ? &stage->room() : nullptr;
+}
+
 bool Pipeline::had_people() const {
     return std::ranges::any_of(stages_, [](const auto& stage) {
         return stage->silhouettes && stage->silhouettes->had_people();

@@ -123,6 +123,9 @@ public:
     /// Names of the excluded cameras.
     std::vector<std::string> cameras_without_background() const;
 
+    /// The empty room of a camera as it was learned; null if there is none. Valid as long as this.
+    const segmentation::BackgroundStatistics* room(std::size_t camera) const;
+
     /// Whether the room of a camera was learned from pictures with people in it.
     bool had_people() const;
 

@@ -38,6 +38,9 @@ Expected<void> SiteNode::run(std::stop_token stop) {
         config_.name, source_->rig().cameras, source_->rig().bounds_site};
     if (auto written = writers_.description.write(description); !written)
         return tl::unexpected(written.error());
+    if (recorder_ != nullptr && !config_.record.folder.empty()) {
+        if (auto started = recorder_->start(config_.record.folder); !started) return started;
+    }
     {
         // destruction stops and joins in the order of the data: captured metaframes still go out
         const std::jthread publisher =
@@ -50,6 +53,7 @@ Expected<void> SiteNode::run(std::stop_token stop) {
             "capture", [this](std::stop_token) { capture_metaframes(run_control_->token()); });
         report_status(run_control_->token());
     }
+    const Expected<void> recorded = recorder_ ? recorder_->stop() : Expected<void>();
     // after a loss of the name its instances belong to another program
     if (!run_control_->has_lost_name()) {
         if (auto gone = writers_.description.dispose(description); !gone)
@@ -73,6 +77,7 @@ Expected<void> SiteNode::run(std::stop_token stop) {
     coherence_watcher_.finish();
     rig_watcher_.finish(coherence_watcher_.doubts_rig());
     if (auto done = run_control_->result(); !done) return done;
+    if (!recorded) return recorded;
     return explain_no_output(total, stop.stop_requested());
 }
 
@@ -137,8 +142,10 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
         if (metaframe) hand_over(std::move(*metaframe));
     };
     capture::TimedAssembler assembler(source_->rig().cameras.size(), options, take);
-    const auto result =
-        source_->run(stop, [&](capture::CameraFrame frame) { assembler.add(std::move(frame)); });
+    const auto result = source_->run(stop, [&](capture::CameraFrame frame) {
+        if (recorder_ != nullptr) recorder_->add(frame);
+        assembler.add(std::move(frame));
+    });
     if (!stop.stop_requested()) assembler.finish();
     if (source_->is_live()) app::log::info("camera offsets in ms {}", offsets_.line());
     run_control_->finish(result);

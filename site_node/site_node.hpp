@@ -18,6 +18,7 @@
 #include "site_node/hosts/region_hosts.hpp"
 #include "site_node/lock_step.hpp"
 #include "site_node/preview/preview.hpp"
+#include "site_node/record/raw_recorder.hpp"
 #include "site_node/rig_watcher.hpp"
 #include "site_node/run_control.hpp"
 #include "site_node/stage_times.hpp"
@@ -65,6 +66,10 @@ public:
     /// Thread-safe.
     bus::SiteStatus status() const;
 
+    /// Starts and stops recordings of the cameras; null: nothing is recorded and there is no
+    /// pre-roll.
+    record::RawRecorder* recorder() { return recorder_.get(); }
+
 private:
     struct Writers {
         bus::Writer<bus::SiteDescription> description;
@@ -84,6 +89,7 @@ private:
              hosts::HostsSource* hosts,
              std::unique_ptr<hosts::RegionHosts> region_hosts);
 
+    Expected<void> open_recorder();
     void capture_metaframes(std::stop_token stop);
     void hand_over(capture::Metaframe metaframe);
     // One metaframe between the two stages of the pipeline.
@@ -117,7 +123,8 @@ private:
     Writers writers_;
     StreamAdapter stream_;
     ThreadPool pool_;
-    std::unique_ptr<preview::Preview> preview_;  // null: no preview
+    std::unique_ptr<preview::Preview> preview_;      // null: no preview
+    std::unique_ptr<record::RawRecorder> recorder_;  // reads the rooms of `pipeline_`
 
     Timestamp last_sent_;  // capture time; of the silhouettes' thread
 

@@ -224,15 +224,42 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
     }
     Writers writers{
         std::move(*description), std::move(*mesh), std::move(*textures), std::move(*status)};
-    return std::unique_ptr<SiteNode>(new SiteNode(config,
-                                                  std::move(*source),
-                                                  std::move(*pipeline),
-                                                  std::move(writers),
-                                                  std::move(*feedback),
-                                                  run_control,
-                                                  std::move(*member),
-                                                  hosts,
-                                                  std::move(*region_hosts)));
+    std::unique_ptr<SiteNode> node(new SiteNode(config,
+                                                std::move(*source),
+                                                std::move(*pipeline),
+                                                std::move(writers),
+                                                std::move(*feedback),
+                                                run_control,
+                                                std::move(*member),
+                                                hosts,
+                                                std::move(*region_hosts)));
+    if (auto opened = node->open_recorder(); !opened) return tl::unexpected(opened.error());
+    return node;
+}
+
+Expected<void> SiteNode::open_recorder() {
+    const bool has_pictures = hosts_ == nullptr;
+    if (!has_pictures || (config_.record.folder.empty() && config_.record.pre_roll_s <= 0.0))
+        return {};
+    if (source_->has_silhouettes()) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            "--record: this recording has masks of another tool, which cannot be recorded again: "
+            "copy its folder");
+    }
+    record::RecordedRoom room{config_.name, source_->rig(), {}, config_.settings};
+    if (config_.capture.rate_hz > 0.0) room.rig.rate_hz = config_.capture.rate_hz;
+    for (std::size_t i = 0; i < room.rig.cameras.size(); ++i)
+        room.rooms.push_back(pipeline_.room(i));
+    auto recorder =
+        record::RawRecorder::create(std::move(room),
+                                    recorder_options(config_.record,
+                                                     config_.capture,
+                                                     source_->rig(),
+                                                     metaframe_rate_hz(config_, source_->rig())));
+    if (!recorder) return tl::unexpected(recorder.error());
+    recorder_ = std::move(*recorder);
+    return {};
 }
 
 SiteNode::SiteNode(const SiteNodeConfig& config,

@@ -51,6 +51,9 @@ Expected<void> check_places(const SiteNodeConfig& config) {
             !fits)
             return fits;
     }
+    if (!config.record.folder.empty()) {
+        if (auto fits = record::check_new_folder(config.record.folder); !fits) return fits;
+    }
     if (config.preview.has_extension())
         return check_folder_writable(
             fs::absolute(config.preview).parent_path(), kPreviewBytes, "--preview");

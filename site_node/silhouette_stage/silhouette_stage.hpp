@@ -57,6 +57,8 @@ public:
                         const GiveWay& give_way,
                         PictureSilhouette& out);
 
+    /// The empty room as it was learned; without pixels if there is none.
+    const segmentation::BackgroundStatistics& room() const { return segmenter_.model().room; }
     /// Whether the room was learned from pictures with people in it.
     bool had_people() const { return segmenter_.model().room.had_people; }
 
