@@ -8,11 +8,20 @@ namespace atrium::record {
 PictureQueue::PictureQueue(const Options& options)
     : options_(options), queues_(options.num_writers), being_written_(options.num_writers) {}
 
+// One picture always has a place, or a small queue would never take any.
+bool PictureQueue::fits(std::size_t num_bytes) const {
+    return queued_bytes_ == 0 || queued_bytes_ + num_bytes <= options_.queue_bytes;
+}
+
+bool PictureQueue::has_room(std::size_t num_bytes) const {
+    const std::lock_guard lock(mutex_);
+    return fits(num_bytes);
+}
+
 std::optional<std::vector<std::uint8_t>> PictureQueue::reserve(std::size_t num_bytes) {
     std::vector<std::uint8_t> memory;
     const std::lock_guard lock(mutex_);
-    // one picture always has a place, or a small queue would never take any
-    if (queued_bytes_ > 0 && queued_bytes_ + num_bytes > options_.queue_bytes) return std::nullopt;
+    if (!fits(num_bytes)) return std::nullopt;
     if (!spare_.empty()) {
         memory.swap(spare_.back());
         spare_.pop_back();
@@ -36,24 +45,29 @@ void PictureQueue::add(PictureToWrite picture, Session session) {
     added_.notify_all();
 }
 
+// Whole instants only.
 void PictureQueue::trim_ring() {
     const Timestamp newest = ring_.back().capture_time;
+    std::optional<std::uint64_t> trimmed;
     while (!ring_.empty() && (ring_bytes_ > options_.ring_bytes ||
-                              newest - ring_.front().capture_time > options_.ring_time)) {
+                              newest - ring_.front().capture_time > options_.ring_time ||
+                              trimmed == ring_.front().number)) {
+        trimmed = ring_.front().number;
         ring_bytes_ -= ring_.front().packed.size();
         spare_.push_back(std::move(ring_.front().packed));
         ring_.pop_front();
     }
 }
 
-std::optional<std::uint64_t> PictureQueue::give_ring_to(const Session& session) {
-    std::optional<std::uint64_t> first;
+std::optional<PictureQueue::GivenRing> PictureQueue::give_ring_to(const Session& session) {
+    GivenRing given;
     {
         const std::lock_guard lock(mutex_);
-        for (const PictureToWrite& picture : ring_)
-            first = std::min(first.value_or(picture.number), picture.number);
+        if (ring_.empty()) return std::nullopt;
+        given.first = std::ranges::min_element(ring_, {}, &PictureToWrite::number)->number;
         for (PictureToWrite& picture : ring_) {
-            picture.number -= *first;
+            picture.number -= given.first;
+            given.cameras.push_back(picture.camera);
             auto& queue = queues_[picture.camera % queues_.size()];
             queue.push_back({std::move(picture), session, true});
         }
@@ -61,7 +75,7 @@ std::optional<std::uint64_t> PictureQueue::give_ring_to(const Session& session) 
         ring_bytes_ = 0;
     }
     added_.notify_all();
-    return first;
+    return given;
 }
 
 std::optional<PictureQueue::Item> PictureQueue::take(std::size_t writer, std::stop_token stop) {

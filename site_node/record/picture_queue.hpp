@@ -36,6 +36,9 @@ public:
 
     explicit PictureQueue(const Options& options);
 
+    /// Whether so many bytes more find a place.
+    bool has_room(std::size_t num_bytes) const;
+
     /// Memory for a picture of so many bytes, from an earlier one if possible; nullopt: the queue
     /// is full.
     std::optional<std::vector<std::uint8_t>> reserve(std::size_t num_bytes);
@@ -43,9 +46,12 @@ public:
     /// Adds a picture whose bytes are `reserve`d. Without a session it goes to the ring.
     void add(PictureToWrite picture, Session session);
 
-    /// From now on what is in the ring belongs to `session`. Numbers are counted from the returned
-    /// one; nullopt if the ring is empty.
-    std::optional<std::uint64_t> give_ring_to(const Session& session);
+    struct GivenRing {
+        std::uint64_t first = 0;           // number from which the others are counted now
+        std::vector<std::size_t> cameras;  // of each picture
+    };
+    /// From now on what is in the ring belongs to `session`; nullopt if it is empty.
+    std::optional<GivenRing> give_ring_to(const Session& session);
 
     /// Next picture for `writer`; nullopt once a stop is requested.
     std::optional<Item> take(std::size_t writer, std::stop_token stop);
@@ -58,6 +64,7 @@ public:
     std::size_t num_bytes_waiting() const;
 
 private:
+    bool fits(std::size_t num_bytes) const;
     void trim_ring();
 
     Options options_;

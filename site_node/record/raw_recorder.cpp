@@ -5,11 +5,14 @@
 #include "core/base/next_second.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
 #include <csignal>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -17,6 +20,8 @@ namespace atrium::record {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kNicer = 10;  // the writers than the site
 
 double megabytes(std::uint64_t bytes) { return 1e-6 * static_cast<double>(bytes); }
 
@@ -95,7 +100,8 @@ RawRecorder::RawRecorder(RecordedRoom room,
       queue_(queue),
       numbers_(room_.rig.cameras.size(),
                std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / options.rate_hz))),
-      expected_(room_.rig.cameras.size()) {
+      next_(room_.rig.cameras.size()),
+      picture_bytes_(room_.rig.cameras.size()) {
     for (std::size_t i = 0; i < queue.num_writers; ++i) {
         threads_.push_back(named_thread(
             "record", [this, i](const std::stop_token& stop) { write_pictures(i, stop); }));
@@ -131,13 +137,13 @@ void RawRecorder::add(const capture::CameraFrame& frame) {
         }
         picture.number = numbers_.number(frame.camera, frame.capture_time, arrival);
         step_back = numbers_.take_step_back();
+        const std::uint64_t expected = std::max(next_[frame.camera], base_);
+        next_[frame.camera] = picture.number + 1;
         if (session != nullptr) {
             if (picture.number < base_) return;  // of an instant before the start
-            picture.number -= base_;
-            std::uint64_t& expected = expected_[frame.camera];
             if (picture.number > expected)
                 session->note_lost(frame.camera, picture.number - expected);
-            expected = picture.number + 1;
+            picture.number -= base_;
         }
     }
     if (step_back) {
@@ -146,9 +152,9 @@ void RawRecorder::add(const capture::CameraFrame& frame) {
             1e-3 * milliseconds(*step_back));
     }
     picture.layout = capture::layout_of(frame.image);
-    auto memory = capture::is_valid(picture.layout)
-                      ? queue_.reserve(capture::packed_bytes(picture.layout))
-                      : std::nullopt;
+    std::optional<std::vector<std::uint8_t>> memory;
+    if (capture::is_valid(picture.layout) && (session == nullptr || is_kept(picture)))
+        memory = queue_.reserve(capture::packed_bytes(picture.layout));
     if (!memory) {
         if (session) session->note_dropped(picture.camera, picture.number, picture.capture_time);
         return;
@@ -159,27 +165,52 @@ void RawRecorder::add(const capture::CameraFrame& frame) {
     queue_.add(std::move(picture), std::move(session));
 }
 
+// Of an instant all pictures are kept or none: parts of many instants are worth less than some
+// whole ones.
+bool RawRecorder::is_kept(const PictureToWrite& picture) {
+    constexpr std::size_t kMostDecided = 64;
+    picture_bytes_[picture.camera] = capture::packed_bytes(picture.layout);
+    if (!newest_instant_ || picture.number > *newest_instant_) {
+        newest_instant_ = picture.number;
+        const std::size_t bytes =
+            std::accumulate(picture_bytes_.begin(), picture_bytes_.end(), std::size_t{0});
+        if (!queue_.has_room(bytes)) {
+            if (dropped_instants_.size() == kMostDecided) dropped_instants_.pop_front();
+            dropped_instants_.push_back(picture.number);
+        }
+    }
+    return std::ranges::find(dropped_instants_, picture.number) == dropped_instants_.end();
+}
+
 Expected<void> RawRecorder::start(const fs::path& folder) {
     const std::lock_guard control(control_mutex_);
     if (is_recording()) {
         return make_error(ErrorKind::kConfiguration,
                           fmt::format("--record: '{}': already recording into '{}'",
                                       folder.string(),
-                                      newest_->folder().string()));
+                                      last_session_->folder().string()));
     }
     const std::uint64_t free = calls_.free_bytes(existing_parent(folder));
     if (free < options_.min_free_bytes + bytes_per_s()) {
-        return make_error(ErrorKind::kUnavailable,
-                          "--record: " + disk_full_text(folder, free, options_.min_free_bytes));
+        return make_error(
+            ErrorKind::kUnavailable,
+            fmt::format(
+                "--record: {}: the disk is nearly full: {:.0f} MB are free, at least {:.0f} "
+                "MB are needed: record.min_free_mb and one second; free some space there, "
+                "or record to another disk",
+                folder.string(),
+                megabytes(free),
+                std::ceil(megabytes(options_.min_free_bytes + bytes_per_s()))));
     }
     auto created = RecordingSession::create(folder, room_, options_.codec, calls_);
     if (!created) return tl::unexpected(created.error());
     const Session session = std::move(*created);
     {
         const std::scoped_lock lock(add_mutex_, mutex_);
-        base_ = queue_.give_ring_to(session).value_or(numbers_.next());
-        std::ranges::fill(expected_, 0);
-        session_ = newest_ = session;
+        begin_numbers(session);
+        newest_instant_.reset();
+        dropped_instants_.clear();
+        session_ = last_session_ = session;
         num_dropped_told_ = 0;
     }
     app::log::info(
@@ -193,6 +224,21 @@ Expected<void> RawRecorder::start(const fs::path& folder) {
         static_cast<double>(free - options_.min_free_bytes) /
             static_cast<double>(std::max<std::uint64_t>(bytes_per_s(), 1)));
     return {};
+}
+
+// The pre-roll counts, too. Called with `mutex_`.
+void RawRecorder::begin_numbers(const Session& session) {
+    const auto ring = queue_.give_ring_to(session);
+    base_ = ring ? ring->first : numbers_.next();
+    std::vector<std::uint64_t> num_in_ring(next_.size());
+    if (ring) {
+        for (const std::size_t camera : ring->cameras) ++num_in_ring[camera];
+    }
+    for (std::size_t camera = 0; camera < next_.size(); ++camera) {
+        const std::uint64_t num_passed = next_[camera] > base_ ? next_[camera] - base_ : 0;
+        if (num_passed > num_in_ring[camera])
+            session->note_lost(camera, num_passed - num_in_ring[camera]);
+    }
 }
 
 Expected<void> RawRecorder::stop() {
@@ -211,11 +257,11 @@ void RawRecorder::end(const Session& session) {
     {
         const std::scoped_lock lock(add_mutex_, mutex_);
         session_ = nullptr;
-        const std::uint64_t num_instants = numbers_.next() - base_;
         // of the newest instant pictures may be on their way
-        for (std::size_t camera = 0; camera < expected_.size(); ++camera) {
-            if (expected_[camera] + 1 < num_instants)
-                session->note_lost(camera, num_instants - 1 - expected_[camera]);
+        for (std::size_t camera = 0; camera < next_.size(); ++camera) {
+            const std::uint64_t expected = std::max(next_[camera], base_);
+            if (expected + 1 < numbers_.next())
+                session->note_lost(camera, numbers_.next() - 1 - expected);
         }
     }
     queue_.wait_until_done(session);
@@ -232,7 +278,9 @@ void RawRecorder::end(const Session& session) {
                     static_cast<double>(sum.num_bytes) /
                         static_cast<double>(std::max<std::uint64_t>(sum.num_raw_bytes, 1)));
     if (failure.empty()) {
-        app::log::info("recorded {}", counts);
+        const bool is_whole = sum.num_dropped == 0;
+        app::log::write(is_whole ? app::log::Level::kInfo : app::log::Level::kWarn,
+                        "recorded " + counts);
         return;
     }
     app::log::error("recording_ended {} reason=\"{}\"", counts, failure);
@@ -252,7 +300,7 @@ bool RawRecorder::is_recording() const {
 
 std::vector<RecordedPictures> RawRecorder::counters() const {
     const std::lock_guard lock(mutex_);
-    return newest_ ? newest_->counters() : std::vector<RecordedPictures>();
+    return last_session_ ? last_session_->counters() : std::vector<RecordedPictures>();
 }
 
 Expected<void> RawRecorder::result() const {
@@ -261,6 +309,9 @@ Expected<void> RawRecorder::result() const {
 }
 
 void RawRecorder::write_pictures(std::size_t writer, const std::stop_token& stop) {
+    // the site goes first: a metaframe cannot wait, a picture in the queue can
+    const auto self = static_cast<id_t>(gettid());
+    setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kNicer);
     while (auto item = queue_.take(writer, stop)) {
         item->session->write(item->picture);
         queue_.done(std::move(*item));

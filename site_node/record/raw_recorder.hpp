@@ -6,9 +6,11 @@
 #include "site_node/record/picture_queue.hpp"
 
 #include <chrono>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -26,8 +28,8 @@ struct RecorderOptions {
 };
 
 /// Writes the pictures of a site's cameras to disk, as they come. Never holds up capture: copies
-/// each picture into memory, where its own threads take it. A picture that finds no place there is
-/// dropped and counted, in the log and in the recording.
+/// each picture into memory, where its own threads take it. If the pictures of an instant find no
+/// place there, all of them are dropped and counted, in the log and in the recording.
 class RawRecorder {
 public:
     /// Errors: kConfiguration if the memory does not suffice for queue and pre-roll.
@@ -64,6 +66,8 @@ private:
                 const RecorderOptions& options,
                 FileCalls calls,
                 const PictureQueue::Options& queue);
+    void begin_numbers(const Session& session);
+    bool is_kept(const PictureToWrite& picture);
     void write_pictures(std::size_t writer, const std::stop_token& stop);
     void look_after(const std::stop_token& stop);
     void look(const Session& session);
@@ -80,10 +84,13 @@ private:
     std::mutex add_mutex_;      // while a picture is added: neither start nor end come between
     mutable std::mutex mutex_;  // of all below
     Session session_;           // null: nothing is recorded
-    Session newest_;            // also after its end
+    Session last_session_;      // also after its end
     InstantNumbers numbers_;
-    std::uint64_t base_ = 0;               // number of the session's first instant
-    std::vector<std::uint64_t> expected_;  // per camera: next number
+    std::uint64_t base_ = 0;                       // number of the session's first instant
+    std::vector<std::uint64_t> next_;              // per camera: after its newest number
+    std::vector<std::size_t> picture_bytes_;       // per camera, of its newest picture
+    std::optional<std::uint64_t> newest_instant_;  // of those that were decided
+    std::deque<std::uint64_t> dropped_instants_;   // the newest ones
     Expected<void> result_;
     std::uint64_t num_dropped_told_ = 0;
 

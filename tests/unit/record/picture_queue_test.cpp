@@ -76,13 +76,16 @@ TEST_F(QueueOfPictures, KeepsTheNewestPicturesInTheRing) {
     PictureQueue by_time(
         {.num_writers = 1, .queue_bytes = 100, .ring_bytes = 1'000'000, .ring_time = 3s});
     for (std::uint64_t i = 0; i < 20; ++i) ASSERT_TRUE(add(by_time, i, nullptr));
-    EXPECT_EQ(by_time.give_ring_to(session_), 16u);
+    const auto given = by_time.give_ring_to(session_);
+    ASSERT_TRUE(given);
+    EXPECT_EQ(given->first, 16u);
+    EXPECT_THAT(given->cameras, ElementsAre(0, 1, 0, 1));
     EXPECT_THAT(take_all(by_time, 0), ElementsAre(0, 1, 2, 3));
 
     PictureQueue by_memory(
         {.num_writers = 1, .queue_bytes = 100, .ring_bytes = 250, .ring_time = 100s});
     for (std::uint64_t i = 0; i < 20; ++i) ASSERT_TRUE(add(by_memory, i, nullptr));
-    EXPECT_EQ(by_memory.give_ring_to(session_), 18u);
+    EXPECT_EQ(by_memory.give_ring_to(session_)->first, 18u);
     EXPECT_TRUE(add(by_memory, 2, session_));  // the ring does not fill the queue
     EXPECT_THAT(take_all(by_memory, 0), ElementsAre(0, 1, 2));
     EXPECT_FALSE(by_memory.give_ring_to(session_));

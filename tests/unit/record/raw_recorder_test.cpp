@@ -106,6 +106,22 @@ TEST_F(Recorder, DropsAndCountsTheNewestPicturesWhileTheDiskStands) {
     EXPECT_THAT(text_of(folder / "recording.toml"), HasSubstr("dropped = 15\n"));
 }
 
+TEST_F(Recorder, DropsWholeInstants) {
+    const fs::path folder = folder_ / "recording";
+    options_.queue_s = 0.1 + 0.5 / 50.0;  // five instants and a picture
+    const auto recorder = make_recorder();
+    ASSERT_TRUE(recorder->start(folder));
+    shut_disk();
+    add(*recorder, 0, 30);
+    open_disk();
+    ASSERT_TRUE(recorder->stop());
+    const auto counts = recorder->counters();
+    EXPECT_EQ(counts[0].num_written, 5u);
+    EXPECT_EQ(counts[1].num_written, 5u);
+    EXPECT_EQ(counts[0].num_dropped, 25u);
+    EXPECT_EQ(counts[1].num_dropped, 25u);
+}
+
 TEST_F(Recorder, SaysOnOpeningThatPicturesAreMissing) {
     const fs::path folder = folder_ / "recording";
     const auto recorder = make_recorder();
@@ -145,13 +161,27 @@ TEST_F(Recorder, BeginsWithThePreRoll) {
     ASSERT_TRUE(recorder->start(folder));
     add(*recorder, 30, 33);
     ASSERT_TRUE(recorder->stop());
+    EXPECT_THAT(recorder->counters(), Each(Field(&RecordedPictures::num_written, 8u)));
+    EXPECT_THAT(recorder->counters(), Each(Field(&RecordedPictures::num_lost, 0u)));
     const auto source = open(folder);
-    // 100 ms before the last picture, cam1 of instant 29: cam1 of instant 24 on
-    EXPECT_EQ(source->num_frames(), 9u);
-    EXPECT_FALSE(source->read_picture(0, 0));
-    EXPECT_EQ(bytes_of(source->read_picture(1, 0)->image), bytes_of(frame(1, 24).image));
-    EXPECT_EQ(bytes_of(source->read_picture(0, 1)->image), bytes_of(frame(0, 25).image));
-    EXPECT_EQ(bytes_of(source->read_picture(1, 8)->image), bytes_of(frame(1, 32).image));
+    // 100 ms before the last picture, and whole instants: from 25 on
+    EXPECT_EQ(source->num_frames(), 8u);
+    EXPECT_EQ(bytes_of(source->read_picture(1, 0)->image), bytes_of(frame(1, 25).image));
+    EXPECT_EQ(bytes_of(source->read_picture(0, 7)->image), bytes_of(frame(0, 32).image));
+}
+
+TEST_F(Recorder, CountsWhatACameraLostInThePreRoll) {
+    options_.pre_roll_s = 1.0;
+    const auto recorder = make_recorder();
+    add(*recorder, 0, 3);
+    recorder->add(frame(0, 3));
+    add(*recorder, 4, 6);
+    ASSERT_TRUE(recorder->start(folder_ / "recording"));
+    recorder->add(frame(0, 6));
+    add(*recorder, 7, 8);
+    ASSERT_TRUE(recorder->stop());
+    EXPECT_EQ(recorder->counters()[0].num_lost, 0u);
+    EXPECT_EQ(recorder->counters()[1].num_lost, 2u);
 }
 
 TEST_F(Recorder, StartsAndStopsWhileThePicturesComeFromAnotherThread) {
@@ -168,6 +198,7 @@ TEST_F(Recorder, StartsAndStopsWhileThePicturesComeFromAnotherThread) {
         ASSERT_TRUE(recorder->stop());
         EXPECT_FALSE(recorder->is_recording());
         const auto counts = recorder->counters();
+        EXPECT_THAT(counts, Each(Field(&RecordedPictures::num_lost, 0u)));
         const auto source = open(folder);
         ASSERT_NE(source, nullptr);
         for (const std::size_t camera : {0U, 1U}) {
