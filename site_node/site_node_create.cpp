@@ -31,6 +31,11 @@ Expected<std::vector<bus::Writer<bus::CameraTexture>>> open_textures(
     return writers;
 }
 
+bool may_record(const SiteNodeConfig& config) {
+    return config.hosts.empty() &&
+           (!config.record.folder.empty() || config.record.pre_roll_s > 0.0);
+}
+
 // Checks the configuration against this rig and warns about suspicious settings.
 Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
     const double period_quarter_ms = 250.0 / metaframe_rate_hz(config, rig);
@@ -41,6 +46,11 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
                         "got {}",
                         period_quarter_ms,
                         config.capture.tolerance_ms));
+    }
+    if (may_record(config)) {
+        const auto options =
+            recorder_options(config.record, config.capture, rig, metaframe_rate_hz(config, rig));
+        if (auto fits = record::check_memory(options, rig.cameras.size()); !fits) return fits;
     }
     const HullStageOptions& hull = config.pipeline.hull;
     if (hull.partial_views && hull.min_views == 0) {
@@ -238,9 +248,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
 }
 
 Expected<void> SiteNode::open_recorder() {
-    const bool has_pictures = hosts_ == nullptr;
-    if (!has_pictures || (config_.record.folder.empty() && config_.record.pre_roll_s <= 0.0))
-        return {};
+    if (!may_record(config_)) return {};
     if (source_->has_silhouettes()) {
         return make_error(
             ErrorKind::kConfiguration,

@@ -58,30 +58,35 @@ std::string disk_full_text(const fs::path& folder, std::uint64_t free, std::uint
 
 }  // namespace
 
-Expected<std::unique_ptr<RawRecorder>> RawRecorder::create(RecordedRoom room,
-                                                           const RecorderOptions& options,
-                                                           FileCalls calls) {
+Expected<void> check_memory(const RecorderOptions& options, std::size_t num_cameras) {
     const double bytes_per_s = static_cast<double>(options.bytes_per_instant) * options.rate_hz;
     const double wanted = bytes_per_s * (options.queue_s + options.pre_roll_s);
     const auto memory = static_cast<double>(options.memory_bytes);
-    if (wanted > memory) {
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format(
-                "record.memory_mb: {} cameras deliver {:.0f} MB/s: a queue of {:g} s and a "
-                "pre-roll of {:g} s need {:.0f} MB, allowed are {:.0f} MB; raise "
-                "record.memory_mb, or lower record.pre_roll_s to {:.1f}",
-                room.rig.cameras.size(),
-                1e-6 * bytes_per_s,
-                options.queue_s,
-                options.pre_roll_s,
-                std::ceil(1e-6 * wanted),
-                std::floor(1e-6 * memory),
-                std::max(0.0, std::floor(10.0 * (memory / bytes_per_s - options.queue_s)) / 10.0)));
-    }
+    if (wanted <= memory) return {};
+    const double possible_s = memory / bytes_per_s - options.queue_s;
+    return make_error(
+        ErrorKind::kConfiguration,
+        fmt::format("record.memory_mb: {} cameras deliver {:.0f} MB/s: a queue of {:g} s and a "
+                    "pre-roll of {:g} s need {:.0f} MB, allowed are {:.0f} MB; raise "
+                    "record.memory_mb, or lower record.pre_roll_s to {:.1f}",
+                    num_cameras,
+                    1e-6 * bytes_per_s,
+                    options.queue_s,
+                    options.pre_roll_s,
+                    std::ceil(1e-6 * wanted),
+                    std::floor(1e-6 * memory),
+                    std::max(0.0, std::floor(10.0 * possible_s) / 10.0)));
+}
+
+Expected<std::unique_ptr<RawRecorder>> RawRecorder::create(RecordedRoom room,
+                                                           const RecorderOptions& options,
+                                                           FileCalls calls) {
+    if (auto fits = check_memory(options, room.rig.cameras.size()); !fits)
+        return tl::unexpected(fits.error());
     PictureQueue::Options queue;
     queue.num_writers = static_cast<std::size_t>(std::max(options.num_threads, 1));
-    queue.queue_bytes = whole(bytes_per_s * options.queue_s);
+    queue.queue_bytes =
+        whole(static_cast<double>(options.bytes_per_instant) * options.rate_hz * options.queue_s);
     queue.ring_bytes = options.memory_bytes - queue.queue_bytes;
     queue.ring_time = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * options.pre_roll_s));
     // a limit of the user (ulimit -f) is reported as a full disk, instead of ending the site
@@ -211,7 +216,6 @@ Expected<void> RawRecorder::start(const fs::path& folder) {
         newest_instant_.reset();
         dropped_instants_.clear();
         session_ = last_session_ = session;
-        num_dropped_told_ = 0;
     }
     app::log::info(
         "recording folder={} codec={} cameras={} raw_mb_per_s={:.0f} free_mb={:.0f} "
@@ -339,12 +343,16 @@ void RawRecorder::look_after(const std::stop_token& stop) {
 
 void RawRecorder::look(const Session& session) {
     session->save();
-    const std::uint64_t free = calls_.free_bytes(session->folder());
-    if (free < options_.min_free_bytes)
-        session->fail(disk_full_text(session->folder(), free, options_.min_free_bytes));
+    if (told_.session != session) told_ = {session};
     const std::vector<RecordedPictures> cameras = session->counters();
-    const std::uint64_t num_dropped = sum_of_all(cameras).num_dropped;
-    if (session->failure().empty() && num_dropped > num_dropped_told_) {
+    const RecordedPictures sum = sum_of_all(cameras);
+    const std::uint64_t num_dropped = sum.num_dropped;
+    const std::uint64_t free = calls_.free_bytes(session->folder());
+    // the next second must find its place, too
+    const std::uint64_t last_second = sum.num_bytes - std::exchange(told_.num_bytes, sum.num_bytes);
+    if (free < options_.min_free_bytes + last_second)
+        session->fail(disk_full_text(session->folder(), free, options_.min_free_bytes));
+    if (session->failure().empty() && num_dropped > told_.num_dropped) {
         std::string by_camera;
         for (std::size_t i = 0; i < cameras.size(); ++i) {
             if (cameras[i].num_dropped > 0)
@@ -358,7 +366,7 @@ void RawRecorder::look(const Session& session) {
                                 by_camera.substr(1),
                                 megabytes(queue_.num_bytes_waiting()),
                                 capture::name_of(options_.codec)));
-        num_dropped_told_ = num_dropped;
+        told_.num_dropped = num_dropped;
     }
     if (session->failure().empty()) return;
     const std::lock_guard control(control_mutex_);

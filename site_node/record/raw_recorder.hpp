@@ -27,12 +27,15 @@ struct RecorderOptions {
     int num_threads = 1;
 };
 
+/// Error kConfiguration if the memory does not suffice for queue and pre-roll.
+Expected<void> check_memory(const RecorderOptions& options, std::size_t num_cameras);
+
 /// Writes the pictures of a site's cameras to disk, as they come. Never holds up capture: copies
 /// each picture into memory, where its own threads take it. If the pictures of an instant find no
 /// place there, all of them are dropped and counted, in the log and in the recording.
 class RawRecorder {
 public:
-    /// Errors: kConfiguration if the memory does not suffice for queue and pre-roll.
+    /// Errors of `check_memory`.
     static Expected<std::unique_ptr<RawRecorder>> create(RecordedRoom room,
                                                          const RecorderOptions& options,
                                                          FileCalls calls = system_calls());
@@ -92,7 +95,12 @@ private:
     std::optional<std::uint64_t> newest_instant_;  // of those that were decided
     std::deque<std::uint64_t> dropped_instants_;   // the newest ones
     Expected<void> result_;
-    std::uint64_t num_dropped_told_ = 0;
+
+    struct Told {
+        Session session;
+        std::uint64_t num_dropped = 0;
+        std::uint64_t num_bytes = 0;
+    } told_;  // of the thread that looks after
 
     std::vector<std::jthread> threads_;  // last: they use all above
 };
