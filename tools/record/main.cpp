@@ -4,9 +4,9 @@
 int main(int argc, char** argv) {
     using namespace atrium;
     const app::StopOnSignal stop;
-    record::RecordConfig config;
+    record_tool::RecordConfig config;
     config::OptionSet options;
-    record::declare(config, options);
+    record_tool::declare(config, options);
     const app::ProgramInfo info{
         .name = "record",
         .summary =
@@ -17,9 +17,9 @@ int main(int argc, char** argv) {
             "  atrium record --world studio --network lan --sites alice -o alice.mcap\n"
             "  atrium record --cut_mb 1000 --seconds 3600 -o day.mcap\n",
         .exit_codes = "3 also if nothing came, or the disk is full",
-        .check = [&] { return record::check(config); }};
+        .check = [&] { return record_tool::check(config); }};
     const app::Start start = app::start(info, options, argc, argv);
     if (!start.go_on) return start.exit_code;
-    const auto done = record::run_record(config, stop.token());
+    const auto done = record_tool::run_record(config, stop.token());
     return done ? 0 : app::fail(done.error());
 }

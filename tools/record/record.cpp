@@ -16,7 +16,7 @@
 #include <sstream>
 #include <thread>
 
-namespace atrium::record {
+namespace atrium::record_tool {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -217,4 +217,4 @@ Expected<void> run_record(const RecordConfig& config, std::stop_token stop) {
     return {};
 }
 
-}  // namespace atrium::record
+}  // namespace atrium::record_tool

@@ -10,7 +10,7 @@
 #include <string>
 
 /// Records a world into MCAP files.
-namespace atrium::record {
+namespace atrium::record_tool {
 
 struct RecordConfig {
     bus::BusOptions bus;
@@ -30,4 +30,4 @@ Expected<void> check(const RecordConfig& config);
 /// Records until the stop. kNotFound if nothing came.
 Expected<void> run_record(const RecordConfig& config, std::stop_token stop);
 
-}  // namespace atrium::record
+}  // namespace atrium::record_tool
