@@ -41,6 +41,10 @@ void declare(RecordConfig& config, config::OptionSet& set) {
             config.folder,
             "record what the cameras deliver into this folder, which must be new or empty");
     set.add_alias("record");
+    set.add("record.orders",
+            config.orders,
+            "let `atrium record --site` of this world start recordings, as new folders in this "
+            "folder; empty: nobody may");
     set.add("record.codec",
             config.codec,
             "all are lossless; auto: huffyuv, half the bytes for little work; raw: as the cameras "

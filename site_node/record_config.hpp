@@ -13,8 +13,10 @@ namespace atrium::site_node {
 /// Recording of what the cameras deliver: `[record]`.
 struct RecordConfig {
     std::filesystem::path folder;  // empty: nothing is recorded
-    std::string codec = "auto";    // "auto", "raw", "huffyuv" or "ffv1"
-    double queue_s = 1.0;          // pictures that wait for the disk
+    std::filesystem::path
+        orders;                  // recordings that others ask for become folders in it; empty: none
+    std::string codec = "auto";  // "auto", "raw", "huffyuv" or "ffv1"
+    double queue_s = 1.0;        // pictures that wait for the disk
     double pre_roll_s = 0.0;
     int memory_mb = 1024;    // limit for both
     int min_free_mb = 1024;  // the recording ends before the disk has less

@@ -49,6 +49,11 @@ Expected<void> SiteNode::run(std::stop_token stop) {
             named_thread("work", [this](std::stop_token s) { compute_frames(s); });
         const std::jthread silhouettes =
             named_thread("silhouettes", [this](std::stop_token s) { find_silhouettes(s); });
+        const std::jthread orders = record_orders_ == nullptr
+                                        ? std::jthread()
+                                        : named_thread("record orders", [this](std::stop_token s) {
+                                              record_orders_->run(std::move(s));
+                                          });
         const std::jthread capturer = named_thread(
             "capture", [this](std::stop_token) { capture_metaframes(run_control_->token()); });
         report_status(run_control_->token());

@@ -19,6 +19,7 @@
 #include "site_node/lock_step.hpp"
 #include "site_node/preview/preview.hpp"
 #include "site_node/record/raw_recorder.hpp"
+#include "site_node/record_orders.hpp"
 #include "site_node/rig_watcher.hpp"
 #include "site_node/run_control.hpp"
 #include "site_node/stage_times.hpp"
@@ -89,7 +90,7 @@ private:
              hosts::HostsSource* hosts,
              std::unique_ptr<hosts::RegionHosts> region_hosts);
 
-    Expected<void> open_recorder();
+    Expected<void> open_recorder(const bus::Participant& participant);
     void capture_metaframes(std::stop_token stop);
     void hand_over(capture::Metaframe metaframe);
     // One metaframe between the two stages of the pipeline.
@@ -125,6 +126,7 @@ private:
     ThreadPool pool_;
     std::unique_ptr<preview::Preview> preview_;      // null: no preview
     std::unique_ptr<record::RawRecorder> recorder_;  // reads the rooms of `pipeline_`
+    std::unique_ptr<RecordOrders> record_orders_;    // null: it takes none
 
     Timestamp last_sent_;  // capture time; of the silhouettes' thread
 

@@ -33,7 +33,8 @@ Expected<std::vector<bus::Writer<bus::CameraTexture>>> open_textures(
 
 bool may_record(const SiteNodeConfig& config) {
     return config.hosts.empty() &&
-           (!config.record.folder.empty() || config.record.pre_roll_s > 0.0);
+           (!config.record.folder.empty() || !config.record.orders.empty() ||
+            config.record.pre_roll_s > 0.0);
 }
 
 // Checks the configuration against this rig and warns about suspicious settings.
@@ -243,11 +244,12 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
                                                 std::move(*member),
                                                 hosts,
                                                 std::move(*region_hosts)));
-    if (auto opened = node->open_recorder(); !opened) return tl::unexpected(opened.error());
+    if (auto opened = node->open_recorder(*participant); !opened)
+        return tl::unexpected(opened.error());
     return node;
 }
 
-Expected<void> SiteNode::open_recorder() {
+Expected<void> SiteNode::open_recorder(const bus::Participant& participant) {
     if (!may_record(config_)) return {};
     if (source_->has_silhouettes()) {
         return make_error(
@@ -267,6 +269,11 @@ Expected<void> SiteNode::open_recorder() {
                                                      metaframe_rate_hz(config_, source_->rig())));
     if (!recorder) return tl::unexpected(recorder.error());
     recorder_ = std::move(*recorder);
+    if (config_.record.orders.empty()) return {};
+    auto orders =
+        RecordOrders::create(participant, config_.name, config_.record.orders, *recorder_);
+    if (!orders) return tl::unexpected(orders.error());
+    record_orders_ = std::move(*orders);
     return {};
 }
 

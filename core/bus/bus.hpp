@@ -121,7 +121,8 @@ public:
     /// Passes each new sample that passes its checks to `on_sample`, oldest first. Calls `on_gone`
     /// when an instance is no longer alive: disposed, or its writers left or lost liveliness. That
     /// message has only its key fields filled. The call comes after the instance's last sample, and
-    /// before the first of its next life, and may be repeated. Never blocks. The callbacks must not use this reader.
+    /// before the first of its next life, and may be repeated. Never blocks. The callbacks must not
+    /// use this reader.
     TakeReport take(const std::function<void(Message&&)>& on_sample,
                     const std::function<void(const Message&)>& on_gone = {});
     /// Like `take`, but also reports why the instance ended.

@@ -213,6 +213,30 @@ void fields(auto& v, Of<SavedWorlds> auto& m, auto& w) {
     v("SavedWorlds.worlds", m.worlds, w.worlds, AtMost{kMaxSavedWorlds});
 }
 
+// recording.idl
+
+void fields(auto& v, Of<RoomRecordOrder> auto& m, auto& w) {
+    v.key("RoomRecordOrder.sender", m.sender, w.sender, Text::kName);
+    v("RoomRecordOrder.site", m.site, w.site, Text::kName);
+    v(m.number, w.number);
+    v("RoomRecordOrder.kind", m.kind, w.kind, Last{RecordOrderKind::kStop});
+    v("RoomRecordOrder.folder", m.folder, w.folder, Text::kNameOrNone);
+}
+
+void fields(auto& v, Of<RoomRecording> auto& m, auto& w) {
+    v.key("RoomRecording.site", m.site, w.site, Text::kName);
+    v("RoomRecording.time", m.time, w.time_ns);
+    v("RoomRecording.state", m.state, w.state, Last{RoomRecordingState::kEnded});
+    v("RoomRecording.sender", m.sender, w.sender, Text::kNameOrNone);
+    v(m.number, w.number);
+    v("RoomRecording.is_refused", m.is_refused, w.is_refused);
+    v("RoomRecording.text", m.text, w.text, Text::kLine);
+    v("RoomRecording.seconds", m.seconds, w.seconds, kStatistic);
+    v(m.num_pictures, w.num_pictures);
+    v(m.num_dropped, w.num_dropped);
+    v(m.num_bytes, w.num_bytes);
+}
+
 // proxy.idl
 
 void fields(auto& v, Of<PersonProxy> auto& m, auto& w) {

@@ -295,6 +295,34 @@ struct SavedWorlds {
     std::vector<SavedWorld> worlds;
 };
 
+enum class RecordOrderKind : std::uint8_t { kStart, kStop };
+
+/// Asks a site to record its cameras, or to end that. On demand, reliable.
+struct RoomRecordOrder {
+    std::string sender;
+    std::string site;
+    std::uint32_t number = 0;  // chosen by the sender; RoomRecording repeats it
+    RecordOrderKind kind = RecordOrderKind::kStart;
+    std::string folder;  // kStart: name of the new folder in the site's folder of recordings
+};
+
+enum class RoomRecordingState : std::uint8_t { kNone, kRunning, kComplete, kEnded };
+
+/// The newest recording of a site that takes orders. Once a second and after each order.
+struct RoomRecording {
+    std::string site;
+    Timestamp time;
+    RoomRecordingState state = RoomRecordingState::kNone;  // kEnded: by a fault
+    std::string sender;                                    // of the last order; empty: none
+    std::uint32_t number = 0;                              // of that order
+    bool is_refused = false;                               // that order
+    std::string text;      // the folder, or the reason; at most 255 printable ASCII characters
+    double seconds = 0.0;  // since its begin; of a complete one its length
+    std::uint64_t num_pictures = 0;  // written, of all cameras
+    std::uint64_t num_dropped = 0;   // that came and are not in the recording
+    std::uint64_t num_bytes = 0;
+};
+
 enum class ProgramKind : std::uint8_t {
     kSiteNode,
     kWorldServer,

@@ -231,6 +231,8 @@ std::span<const RawTopic* const> raw_topics() {
                     SceneEdit,
                     EditResult,
                     SavedWorlds,
+                    RoomRecordOrder,
+                    RoomRecording,
                     SiteStatus,
                     WorldStatus,
                     ViewerStatus,
@@ -287,6 +289,8 @@ ATRIUM_RAW(SceneCommand);
 ATRIUM_RAW(SceneEdit);
 ATRIUM_RAW(EditResult);
 ATRIUM_RAW(SavedWorlds);
+ATRIUM_RAW(RoomRecordOrder);
+ATRIUM_RAW(RoomRecording);
 ATRIUM_RAW(SiteStatus);
 ATRIUM_RAW(WorldStatus);
 ATRIUM_RAW(ViewerStatus);

@@ -7,6 +7,7 @@
 #include <hosts.h>
 #include <presence.h>
 #include <proxy.h>
+#include <recording.h>
 #include <site.h>
 #include <status.h>
 #include <world.h>
@@ -128,6 +129,15 @@ struct Topic<EditResult> : WireTopic<atrium_EditResult, atrium_EditResult_desc, 
 template <>
 struct Topic<SavedWorlds> : WireTopic<atrium_SavedWorlds, atrium_SavedWorlds_desc, kDescription> {
     static constexpr const char* kName = "SavedWorlds";
+};
+template <>
+struct Topic<RoomRecordOrder>
+    : WireTopic<atrium_RoomRecordOrder, atrium_RoomRecordOrder_desc, kCommand> {
+    static constexpr const char* kName = "RoomRecordOrder";
+};
+template <>
+struct Topic<RoomRecording> : WireTopic<atrium_RoomRecording, atrium_RoomRecording_desc, kStatus> {
+    static constexpr const char* kName = "RoomRecording";
 };
 template <>
 struct Topic<SiteStatus> : WireTopic<atrium_SiteStatus, atrium_SiteStatus_desc, kStatus> {

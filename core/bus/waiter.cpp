@@ -68,6 +68,8 @@ template void Waiter::add(const Reader<SceneCommand>&);
 template void Waiter::add(const Reader<SceneEdit>&);
 template void Waiter::add(const Reader<EditResult>&);
 template void Waiter::add(const Reader<SavedWorlds>&);
+template void Waiter::add(const Reader<RoomRecordOrder>&);
+template void Waiter::add(const Reader<RoomRecording>&);
 template void Waiter::add(const Reader<SiteStatus>&);
 template void Waiter::add(const Reader<WorldStatus>&);
 template void Waiter::add(const Reader<ViewerStatus>&);

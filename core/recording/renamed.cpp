@@ -62,6 +62,7 @@ Expected<std::vector<std::byte>> renamed(const bus::RawTopic& topic,
                             bus::SiteStatus,
                             bus::CameraNodeStatus,
                             bus::RegionNodeStatus,
+                            bus::RoomRecording,
                             bus::StreamFeedback,
                             bus::Presence>(topic, sample, names, places);
 }

@@ -7,14 +7,15 @@ namespace atrium::recording {
 namespace {
 
 // Topics whose key begins with the site's name.
-constexpr std::array<std::string_view, 8> kOfSites{"SiteDescription",
+constexpr std::array<std::string_view, 9> kOfSites{"SiteDescription",
                                                    "SiteMesh",
                                                    "CameraTexture",
                                                    "SitePlacement",
                                                    "PersonProxy",
                                                    "SiteStatus",
                                                    "CameraNodeStatus",
-                                                   "RegionNodeStatus"};
+                                                   "RegionNodeStatus",
+                                                   "RoomRecording"};
 
 std::string part(std::string_view key, int number) {
     for (; number > 0; --number) {

@@ -215,6 +215,18 @@ std::string broken_promise(const bus::SavedWorlds& message) {
     return unless(message.worlds.size() <= bus::kMaxSavedWorlds, "too many worlds");
 }
 
+std::string broken_promise(const bus::RoomRecordOrder& message) {
+    if (message.kind > bus::RecordOrderKind::kStop) return "a kind of order";
+    return unless(message.folder.find('/') == std::string::npos, "a folder in a folder's name");
+}
+
+std::string broken_promise(const bus::RoomRecording& message) {
+    if (message.state > bus::RoomRecordingState::kEnded) return "a state";
+    const bool is_printable = std::all_of(
+        message.text.begin(), message.text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
+    return unless(is_printable && message.text.size() <= bus::kMaxTextLength, "a text");
+}
+
 std::string broken_promise(const bus::SiteStatus& message) {
     if (message.cameras.size() > bus::kMaxCamerasPerSite) return "too many cameras";
     for (const bus::CameraStatus& camera : message.cameras) {

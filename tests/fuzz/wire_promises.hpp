@@ -30,6 +30,8 @@ std::string broken_promise(const bus::SceneCommand& message);
 std::string broken_promise(const bus::SceneEdit& message);
 std::string broken_promise(const bus::EditResult& message);
 std::string broken_promise(const bus::SavedWorlds& message);
+std::string broken_promise(const bus::RoomRecordOrder& message);
+std::string broken_promise(const bus::RoomRecording& message);
 std::string broken_promise(const bus::SiteStatus& message);
 std::string broken_promise(const bus::WorldStatus& message);
 std::string broken_promise(const bus::ViewerStatus& message);

@@ -15,6 +15,8 @@ int main(int argc, char** argv) {
         .examples =
             "  atrium record -o evening.mcap\n"
             "  atrium record --world studio --network lan --sites alice -o alice.mcap\n"
+            "  atrium record --site alice --raw monday   # the pictures of her cameras, on her "
+            "host\n"
             "  atrium record --cut_mb 1000 --seconds 3600 -o day.mcap\n",
         .exit_codes = "3 also if nothing came, or the disk is full",
         .check = [&] { return record_tool::check(config); }};

@@ -5,8 +5,10 @@
 #include "core/app/program.hpp"
 #include "core/base/write_check.hpp"
 #include "core/bus/bus_options.hpp"
+#include "core/bus/names.hpp"
 #include "core/presence/membership.hpp"
 #include "core/recording/recorder.hpp"
+#include "tools/record/room_order.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -120,6 +122,11 @@ void declare(RecordConfig& config, config::OptionSet& options) {
                 config.output,
                 "file to write, which ends in .mcap; empty: WORLD-DATE-TIME.mcap here");
     options.add_alias("o");
+    options.add("site", config.site, "with --raw: the site whose cameras are recorded");
+    options.add("raw",
+                config.raw,
+                "have the running site --site record what its cameras deliver, on its own host: "
+                "name of the new folder in the folder of its option record.orders");
     options.add("sites",
                 config.sites,
                 "sites, \"a,b\", that are recorded, and what belongs to no site; empty: all");
@@ -147,6 +154,19 @@ void declare(RecordConfig& config, config::OptionSet& options) {
 }
 
 Expected<void> check(const RecordConfig& config) {
+    if (config.site.empty() != config.raw.empty()) {
+        return make_error(ErrorKind::kConfiguration,
+                          config.raw.empty()
+                              ? "site: goes with --raw FOLDER; for the world's recording it is "
+                                "--sites"
+                              : "raw: needs --site, the site whose cameras are recorded");
+    }
+    if (!config.raw.empty() && !bus::is_valid_name(config.raw)) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("raw: '{}': must be a name of 1 to 63 characters of "
+                                      "[A-Za-z0-9_.-]: the site makes it in its own folder",
+                                      config.raw));
+    }
     if (!config.output.empty() && config.output.extension() != ".mcap") {
         return make_error(
             ErrorKind::kConfiguration,
@@ -156,6 +176,8 @@ Expected<void> check(const RecordConfig& config) {
 }
 
 Expected<void> run_record(const RecordConfig& config, std::stop_token stop) {
+    if (!config.raw.empty())
+        return record_room({config.bus, config.site, config.raw, config.seconds}, std::move(stop));
     recording::RecorderOptions options = options_of(config);
     const std::filesystem::path file = std::filesystem::absolute(options.writer.file);
     if (auto can =

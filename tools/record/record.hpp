@@ -15,6 +15,8 @@ namespace atrium::record_tool {
 struct RecordConfig {
     bus::BusOptions bus;
     std::filesystem::path output;  // empty: WORLD-YYYYMMDD-HHMMSS.mcap in the current folder
+    std::string site;              // with `raw`
+    std::string raw;               // record the pictures of `site` into this folder of its host
     std::string sites;             // "a,b"; empty: all
     std::string topics;            // likewise
     double seconds = 0.0;          // 0: until Ctrl-C
