@@ -1,10 +1,10 @@
 #pragma once
 
-#include "core/base/expected.hpp"
 #include "core/base/keyed_workers.hpp"
 #include "core/base/statistics.hpp"
 #include "core/bus/messages.hpp"
 #include "world_server/people_inbox.hpp"
+#include "world_server/person_preparation.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -26,31 +26,23 @@ namespace atrium::world_server {
 /// that still waits; the dropped one is counted. After `lose` or `leave` returns, no earlier mesh
 /// of the site reaches the inbox. Call `arrive`, `put`, `lose` and `leave` from one thread; they
 /// never wait for a preparation.
-class MeshPreparation {
+class MeshPreparation final : public PersonPreparation {
 public:
-    using Result = Expected<std::optional<physics::PersonShape>>;
-    /// Reads the meshes of one person of one site. Called by one thread at a time.
-    using Reader = std::function<Result(const bus::SiteMesh&)>;
-    /// Creates a reader without history. Called by the thread that calls `arrive` and `lose`.
-    using MakeReader = std::function<Reader()>;
-
     /// A worker calls `reject` with the reason when it refuses a mesh.
     MeshPreparation(PeopleInbox& inbox,
                     std::size_t max_threads,
                     std::function<void(const std::string& why)> reject);
-    ~MeshPreparation() { stop(); }
+    ~MeshPreparation() override { stop(); }
     MeshPreparation(const MeshPreparation&) = delete;
     MeshPreparation& operator=(const MeshPreparation&) = delete;
 
     /// Returns one thread per core, at most four.
     static std::size_t threads_for_machine();
 
-    void arrive(const std::string& site, MakeReader make_reader);
-    /// `arrive` must have been called for the site.
-    void put(bus::SiteMesh message);
-    /// The person has left the site. Its next mesh is of a new person.
-    void lose(const std::string& site);
-    void leave(const std::string& site);
+    void arrive(const std::string& site, MakeReader make_reader) override;
+    void put(bus::SiteMesh message) override;
+    void lose(const std::string& site) override;
+    void leave(const std::string& site) override;
 
     /// Waits for running preparations. Nothing reaches the inbox afterwards.
     void stop() { workers_.stop(); }

@@ -7,20 +7,18 @@
 #include "core/base/statistics.hpp"
 #include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
+#include "world_server/command_reception.hpp"
 #include "world_server/description/doubts.hpp"
 #include "world_server/endpoints.hpp"
 #include "world_server/mesh_preparation.hpp"
 #include "world_server/publisher.hpp"
-#include "world_server/scene_messages.hpp"
+#include "world_server/reception.hpp"
 #include "world_server/simulation.hpp"
-#include "world_server/site_reader.hpp"
-#include "world_server/site_register.hpp"
 
 #include <atomic>
 #include <chrono>
 #include <map>
 #include <mutex>
-#include <set>
 #include <string>
 #include <thread>
 
@@ -30,12 +28,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kStatusPeriod{1000};
 constexpr std::chrono::seconds kSkippedPeriod{30};  // between lines about skipped ticks
-
-// Only this server says which files it has.
-void disregard_fingerprints(bus::SceneObject& object) {
-    object.model_fingerprint = {};
-    object.texture_fingerprint = {};
-}
 
 // The reason to end the process without a stop request.
 struct Loss {
@@ -59,10 +51,9 @@ struct WorldServer::Impl {
     void take_meshes();
     void take_commands();
     void take_edits();
-    bool arrive(const std::string& site);
-    void leave(const std::string& site);
     void count_rejected(const bus::TakeReport& report);
     void reject(const std::string& why);
+    void refuse(const std::string& why);  // a command or an edit
 
     // publishing thread
     void publish(std::stop_token stop);
@@ -71,11 +62,6 @@ struct WorldServer::Impl {
 
     const WorldServerConfig config;
     Endpoints endpoints;
-    SiteRegister sites;  // receiving thread only, like the next two
-    std::set<std::string> described_sites;
-    // Sites whose description was disposed and that have not been heard since. Their last meshes
-    // may still wait to be taken.
-    std::set<std::string> ended_sites;
     Publisher publisher{endpoints};  // of the publishing thread
     app::log::OncePerSecond rejections_log;
     Simulation simulation;
@@ -84,7 +70,6 @@ struct WorldServer::Impl {
     std::atomic<std::uint64_t> num_superseded{0};  // meshes taken together with a newer one
     std::atomic<std::uint64_t> num_rejected{0};
     std::atomic<std::uint64_t> num_refused{0};  // refused before they were queued
-    std::atomic<std::uint64_t> num_sites{0};
     std::atomic<double> steps_per_s{0.0};
     std::atomic<double> bytes_per_s{0.0};
     std::atomic<double> first_output_s{0.0};  // 0: no state published yet
@@ -92,7 +77,8 @@ struct WorldServer::Impl {
     mutable std::mutex processor_mutex;       // guards processor
     ProcessorUse processor;                   // last measurement
 
-    MeshPreparation preparation;  // fed by the receiving thread
+    MeshPreparation preparation;  // fed by the reception
+    Reception reception;          // of the receiving thread
 
     std::shared_ptr<Loss> loss;
     std::unique_ptr<presence::Membership> membership;  // destroyed first: it uses the endpoints
@@ -105,11 +91,15 @@ WorldServer::Impl::Impl(const WorldServerConfig& server_config,
                         Scene server_scene)
     : config(server_config),
       endpoints(std::move(server_endpoints)),
-      sites(config.placements, static_cast<std::size_t>(config.max_sites)),
       simulation(config, std::move(server_scene), [this](const std::string& why) { reject(why); }),
       preparation(simulation.people(),
                   MeshPreparation::threads_for_machine(),
                   [this](const std::string& why) { reject(why); }),
+      reception(
+          config,
+          preparation,
+          [this](const bus::SitePlacement& placement) { simulation.outbox().put(placement); },
+          [this](const std::string& why) { reject(why); }),
       loss(std::move(server_loss)),
       membership(std::move(server_membership)) {
     for (const NamedPlacement& placement : config.placements) {
@@ -128,56 +118,10 @@ void WorldServer::Impl::count_rejected(const bus::TakeReport& report) {
     rejections_log.warn("rejected " + report.first_rejection);
 }
 
-bool WorldServer::Impl::arrive(const std::string& site) {
-    const auto placement = sites.arrive(site);
-    if (!placement) {
-        reject(placement.error().message);
-        return false;
-    }
-    if (*placement) {
-        const Eigen::Vector3d& position = (*placement)->world_from_site.translation;
-        app::log::info("site_arrived site={} position_m={:.2f},{:.2f},{:.2f}",
-                       site,
-                       position.x(),
-                       position.y(),
-                       position.z());
-        if (const std::string meant = sites.ask_meant(site); !meant.empty()) {
-            app::log::warn(
-                "site_not_named site={} reason=\"the world file has no [[site]] of this "
-                "name, so it stands on the ring around the origin; {}\"",
-                site,
-                meant);
-        }
-        simulation.outbox().put(**placement);
-        const auto& world_from_site = (*placement)->world_from_site;
-        preparation.arrive(site, [this, world_from_site] {
-            const auto reader = std::make_shared<SiteReader>(world_from_site, config.person);
-            return [reader](const bus::SiteMesh& message) { return reader->read(message); };
-        });
-    }
-    num_sites = sites.num_present();
-    return true;
-}
-
-void WorldServer::Impl::leave(const std::string& site) {
-    if (!sites.leave(site)) return;  // description and meshes end separately
-    preparation.leave(site);
-    num_sites = sites.num_present();
-    app::log::info("site_left site={}", site);
-}
-
 void WorldServer::Impl::take_descriptions() {
     count_rejected(endpoints.descriptions.take(
-        [&](bus::SiteDescription&& description) {
-            if (!arrive(description.site)) return;
-            described_sites.insert(description.site);
-            ended_sites.erase(description.site);
-        },
-        [&](const bus::SiteDescription& gone) {
-            if (described_sites.erase(gone.site) == 0) return;
-            ended_sites.insert(gone.site);
-            leave(gone.site);
-        }));
+        [&](bus::SiteDescription&& description) { reception.put(description); },
+        [&](const bus::SiteDescription& gone) { reception.end(gone); }));
 }
 
 // Takes the samples and keeps the newest of each site. Several arrive together if one was
@@ -192,57 +136,34 @@ void WorldServer::Impl::take_meshes() {
         },
         [&](const bus::SiteMesh& gone) {
             newest.erase(gone.site);
-            ended_sites.erase(gone.site);
-            if (!described_sites.contains(gone.site)) return leave(gone.site);
-            preparation.lose(gone.site);
+            reception.end(gone);
         }));
-    for (auto& [site, message] : newest) {
-        if (!ended_sites.contains(site) && arrive(site)) preparation.put(std::move(message));
-    }
+    for (auto& [site, message] : newest) reception.put(std::move(message));
+}
+
+void WorldServer::Impl::refuse(const std::string& why) {
+    ++num_refused;
+    reject(why);
 }
 
 void WorldServer::Impl::take_commands() {
     const Clock::time_point now = Clock::now();
     count_rejected(endpoints.commands.take(
         [&](bus::SceneCommand&& command) {
-            disregard_fingerprints(command.object);
-            const std::string sender = command.sender;
-            const bus::CommandKind kind = command.kind;
-            const std::uint32_t target = command.target;
-            if (const auto why = simulation.commands().put(std::move(command), now)) {
-                ++num_refused;
-                reject("command of " + sender + ": " + *why);
-                if (auto answer = simulation.answers().refused(sender, kind, target, *why, now))
-                    simulation.outbox().put(std::move(*answer));
-            }
+            if (const auto why = world_server::receive(simulation, std::move(command), now))
+                refuse(*why);
         },
-        [&](const bus::SceneCommand& gone) {
-            simulation.commands().leave(gone.sender);
-            simulation.answers().forget(gone.sender);
-            simulation.outbox().leave(gone.sender);
-        }));
+        [&](const bus::SceneCommand& gone) { forget_sender(simulation, gone); }));
 }
 
 void WorldServer::Impl::take_edits() {
     const Clock::time_point now = Clock::now();
     count_rejected(endpoints.edits.take(
         [&](bus::SceneEdit&& edit) {
-            disregard_fingerprints(edit.object);
-            auto why = simulation.commands().admit(edit, now);
-            const bool has_room =
-                why ||
-                (needs_files(edit) ? simulation.edit_worker().prepare(edit)
-                                   : simulation.commands().put_prepared({edit, nullptr, nullptr}));
-            if (!has_room) why = "too many edits at once";
-            if (!why) return;
-            ++num_refused;
-            reject("edit of " + edit.sender + ": " + *why);
-            simulation.outbox().put(result_of(edit, false, *why));
+            if (const auto why = world_server::receive(simulation, std::move(edit), now))
+                refuse(*why);
         },
-        [&](const bus::SceneEdit& gone) {
-            simulation.commands().leave(gone.sender);
-            simulation.outbox().leave(gone.sender);
-        }));
+        [&](const bus::SceneEdit& gone) { forget_sender(simulation, gone); }));
 }
 
 void WorldServer::Impl::receive(std::stop_token stop) {
@@ -304,7 +225,7 @@ bus::WorldStatus WorldServer::Impl::status() const {
     status.prepare = to_summary(preparation.times());
     status.num_rejected = num_rejected;
     status.num_refused += num_refused;
-    status.num_sites = num_sites;
+    status.num_sites = reception.num_present();
     status.num_bytes_published = publisher.num_bytes();
     status.steps_per_s = steps_per_s;
     status.bytes_per_s = bytes_per_s;
