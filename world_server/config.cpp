@@ -76,6 +76,26 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
             person.rest_speed_mps,
             "surfaces slower than this count as at rest, with a flickering outline [m/s]",
             {0.001, 1});
+    set.add(
+        "recording.file",
+        config.recording.file,
+        "run with the people of this recording (FILE.mcap of `atrium record`) instead of living "
+        "ones, without a network, as fast as the machine can; empty: a live world");
+    set.add_alias("recording");
+    set.add("recording.output",
+            config.recording.output,
+            "write the recording again, with this world's objects and their motion; empty: no");
+    set.add("recording.hashes",
+            config.recording.hashes,
+            "log the hash of the world's state after each recorded second");
+    set.add("recording.commands",
+            config.recording.commands,
+            "obey the commands and edits of the recording, too");
+    set.add("recording.real_time", config.recording.real_time, "run as fast as it was recorded");
+    set.add("recording.threads",
+            config.recording.threads,
+            "threads that prepare the meshes of the recording; 0: one per core, at most 4",
+            {0, 64});
     bus::declare(config.bus, set);
     app::declare(config.process, set);
 }
@@ -90,6 +110,9 @@ Expected<void> check(const WorldServerConfig& config) {
                                  config.tick_hz,
                                  config.send_hz));
     }
+    const bool is_live = config.recording.file.empty();
+    if (is_live && !config.recording.output.empty())
+        return wrong("recording.output: needs recording.file, the recording to run");
     if (config.objects.size() > static_cast<std::size_t>(config.max_objects)) {
         return wrong(fmt::format(
             "{}world.max_objects: must be at least the {} objects described, got {} (default {}, "

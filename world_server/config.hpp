@@ -11,6 +11,16 @@
 
 namespace atrium::world_server {
 
+/// Options of a run from a recording (recorded_run.hpp).
+struct RecordingOptions {
+    std::filesystem::path file;    // empty: a live world
+    std::filesystem::path output;  // empty: none
+    bool hashes = false;           // logs the state's hash after each second
+    bool commands = true;          // commands and edits of the recording, too
+    bool real_time = false;        // as fast as recorded; otherwise as fast as possible
+    int threads = 0;               // that prepare meshes; 0: one per core, at most four
+};
+
 /// A described world and the options of the server. `world.tick_s` and `world.max_objects` follow
 /// from `tick_hz` and `max_objects`.
 struct WorldServerConfig : WorldDescription {
@@ -26,6 +36,7 @@ struct WorldServerConfig : WorldDescription {
     double save_every_s = 30.0;          // 0: only at the end and on command
     std::filesystem::path saved_folder;  // of saved worlds; empty: none
     int max_saved = 64;
+    RecordingOptions recording;
     std::string loaded{};  // saved world that the description is from; empty: the world file
     std::uint64_t world_file_hash = 0;  // of what the world file describes; 0: not known yet
 };

@@ -134,6 +134,19 @@ void EditWorker::do_job(const Job& job) {
         write(job.edit, job.text);
 }
 
+void EditWorker::do_waiting() {
+    while (true) {
+        Job job;
+        {
+            const std::lock_guard lock(mutex_);
+            if (jobs_.empty()) return;
+            job = std::move(jobs_.front());
+            jobs_.pop_front();
+        }
+        do_job(job);
+    }
+}
+
 void EditWorker::run(std::stop_token stop) {
     outbox_.put(folder_.list(config_.bus.world));
     while (true) {

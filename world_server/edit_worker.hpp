@@ -33,6 +33,8 @@ public:
     /// Queues the writing of a saved world. False if too many wait.
     bool save(bus::SceneEdit edit, std::string text);
     const SavedWorldsFolder& folder() const { return folder_; }
+    /// Does what waits now, instead of the thread.
+    void do_waiting();
     /// Body of the thread.
     void run(std::stop_token stop);
 

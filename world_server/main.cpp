@@ -1,6 +1,7 @@
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
 #include "world_server/config.hpp"
+#include "world_server/recorded_run.hpp"
 #include "world_server/world_server.hpp"
 
 int main(int argc, char** argv) {
@@ -16,7 +17,8 @@ int main(int argc, char** argv) {
             "its objects.",
         .examples =
             "  world_server --config deploy/worlds/demo.toml\n"
-            "  world_server --config deploy/worlds/playroom.toml --network lan",
+            "  world_server --config deploy/worlds/playroom.toml --network lan\n"
+            "  world_server --config deploy/worlds/playroom.toml --recording evening.mcap",
         .check = [&] { return world_server::check(config); }};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
@@ -25,6 +27,10 @@ int main(int argc, char** argv) {
     if (!start.go_on) return start.exit_code;
     app::apply(config.process);
 
+    if (!config.recording.file.empty()) {
+        const auto done = world_server::run_recorded(config, stop.token());
+        return done ? 0 : app::fail(done.error());
+    }
     auto server = world_server::WorldServer::create(config, stop.token());
     if (!server) return stop.token().stop_requested() ? 0 : app::fail(server.error());
     if (const auto done = (*server)->run(stop.token()); !done) return app::fail(done.error());

@@ -1,6 +1,7 @@
 #include "world_server/publisher.hpp"
 
 #include "world_server/proxies.hpp"
+#include "world_server/recorded_output.hpp"
 
 #include <algorithm>
 
@@ -99,5 +100,6 @@ void BasicPublisher<Outputs>::send(const Outbox::Content& content) {
 }
 
 template class BasicPublisher<Endpoints>;
+template class BasicPublisher<RecordedOutputs>;
 
 }  // namespace atrium::world_server

@@ -41,9 +41,14 @@ void Simulation::refuse(const bus::SceneCommand& command, const std::string& why
         ++figures_.num_refused;
     }
     reject_("command of " + command.sender + ": " + why);
-    if (auto answer = answers_.refused(
-            command.sender, command.kind, command.target, why, CommandAnswers::Clock::now()))
+    if (auto answer =
+            answers_.refused(command.sender, command.kind, command.target, why, answer_time()))
         outbox_.put(std::move(*answer));
+}
+
+CommandAnswers::Clock::time_point Simulation::answer_time() const {
+    if (!recorded_now_) return CommandAnswers::Clock::now();
+    return CommandAnswers::Clock::time_point(std::chrono::nanoseconds(recorded_now_->ns));
 }
 
 void Simulation::apply(const bus::SceneCommand& command) {
@@ -58,7 +63,7 @@ void Simulation::apply(const bus::SceneCommand& command) {
     const auto changes = scene_.apply(command);
     if (!changes) return refuse(command, changes.error().message);
     for (const SceneChange& change : *changes) outbox_.put(change);
-    if (auto answer = answers_.done(command.sender, command.kind, CommandAnswers::Clock::now()))
+    if (auto answer = answers_.done(command.sender, command.kind, answer_time()))
         outbox_.put(std::move(*answer));
     if (command.kind == bus::CommandKind::kReset || !changes->empty())
         commands_log_.info(fmt::format("{} by={}", to_string(command.kind), command.sender));
@@ -150,7 +155,7 @@ void Simulation::apply_people() {
         if (!shape) return scene_.world().remove_person(site);
         scene_.world().set_person(site, *shape);
         const std::lock_guard lock(status_mutex_);
-        capture_to_collision_.add(Timestamp::now() - shape->capture_time);
+        capture_to_collision_.add(now() - shape->capture_time);
     });
 }
 
@@ -232,6 +237,11 @@ void Simulation::step(Timestamp due) {
     ++figures_.num_steps;
     if (is_touched) ++figures_.num_contacts;
     step_times_.add(Clock::now() - begin);
+}
+
+void Simulation::step_recorded(Timestamp due) {
+    recorded_now_ = due;
+    step(due);
 }
 
 void Simulation::run(std::stop_token stop) {

@@ -15,6 +15,7 @@
 #include <atomic>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -51,6 +52,10 @@ public:
     /// Runs one complete step without pacing; `due` is its scheduled time. Allocates nothing as
     /// long as no object is added or removed and nothing is saved.
     void step(Timestamp due);
+    /// Like `step`, at a time of the past: nothing depends on this machine's clock.
+    void step_recorded(Timestamp due);
+    /// Of the world now (physics::World::state_hash).
+    std::uint64_t state_hash() const { return scene_.world().state_hash(); }
     /// Saves the current state to the state file, if there is one.
     Expected<void> save_last();
     /// Fills in the status fields known here. Thread-safe.
@@ -68,6 +73,8 @@ private:
     void apply_people();
     void save();
     void restore();
+    Timestamp now() const { return recorded_now_ ? *recorded_now_ : Timestamp::now(); }
+    CommandAnswers::Clock::time_point answer_time() const;
     double credit_of_tick() const { return config_.send_hz / config_.tick_hz; }
     void send_state(Timestamp due);
     void send_people();
@@ -89,7 +96,8 @@ private:
     double hash_credit_s_ = 0.0;  // simulated time since the last hash
     double people_credit_ = 0.0;  // person messages due but not yet sent
     std::atomic<bool> wants_people_ = false;
-    MovedState moved_;  // scratch, like the next two
+    std::optional<Timestamp> recorded_now_;  // nullopt: the simulation is live
+    MovedState moved_;                       // scratch, like the next two
     std::vector<physics::PersonSnapshot> people_snapshots_;
     std::vector<physics::Incident> incidents_;
     app::log::OncePerSecond incidents_log_;
