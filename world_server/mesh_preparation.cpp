@@ -30,13 +30,13 @@ void MeshPreparation::arrive(const std::string& site, MakeReader make_reader) {
     arrived.make_reader = std::move(make_reader);
 }
 
-void MeshPreparation::put(bus::SiteMesh message) {
+void MeshPreparation::put(bus::SiteMesh message, Timestamp delays_from) {
     const std::string site = message.site;
     const auto found = sites_.find(site);
     assert(found != sites_.end());
     const Timestamp capture = message.capture_time;
     std::optional<Job> replaced =
-        workers_.put(site, {found->second.person, std::move(message), Clock::now()});
+        workers_.put(site, {found->second.person, std::move(message), delays_from, Clock::now()});
     if (!replaced || replaced->person != found->second.person) return;
     ++num_dropped_;
     // a late sample must not replace a newer one: put the newer one back; the reader refuses the
@@ -74,6 +74,7 @@ void MeshPreparation::prepare(const std::string& site, Job job) {
     if (!is_current()) return;
     Result shape = job.person->read(job.message);
     if (!shape) return reject_(shape.error().message);
+    if (*shape) (*shape)->delays_from = job.delays_from;
     {
         const std::lock_guard lock(delivery_mutex_);
         if (!job.person->is_current) return;

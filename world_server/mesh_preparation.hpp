@@ -40,7 +40,7 @@ public:
     static std::size_t threads_for_machine();
 
     void arrive(const std::string& site, MakeReader make_reader) override;
-    void put(bus::SiteMesh message) override;
+    void put(bus::SiteMesh message, Timestamp delays_from) override;
     void lose(const std::string& site) override;
     void leave(const std::string& site) override;
 
@@ -61,6 +61,7 @@ private:
     struct Job {
         std::shared_ptr<Person> person;
         bus::SiteMesh message;
+        Timestamp delays_from;
         Clock::time_point since;
     };
     struct Site {

@@ -21,8 +21,8 @@ public:
 
     virtual ~PersonPreparation() = default;
     virtual void arrive(const std::string& site, MakeReader make_reader) = 0;
-    /// `arrive` must have been called for the site.
-    virtual void put(bus::SiteMesh message) = 0;
+    /// `arrive` must have been called for the site. `delays_from`: see bus::delays_from.
+    virtual void put(bus::SiteMesh message, Timestamp delays_from) = 0;
     /// The person has left the site. Its next mesh is of a new person.
     virtual void lose(const std::string& site) = 0;
     virtual void leave(const std::string& site) = 0;

@@ -1,6 +1,7 @@
 #include "world_server/reception.hpp"
 
 #include "core/app/log.hpp"
+#include "core/bus/delays_from.hpp"
 #include "world_server/site_reader.hpp"
 
 #include <memory>
@@ -68,8 +69,10 @@ void Reception::end(const bus::SiteDescription& gone) {
     leave(gone.site);
 }
 
-void Reception::put(bus::SiteMesh&& mesh) {
-    if (!ended_sites_.contains(mesh.site) && arrive(mesh.site)) preparation_.put(std::move(mesh));
+void Reception::put(bus::SiteMesh&& mesh, Timestamp written) {
+    if (ended_sites_.contains(mesh.site) || !arrive(mesh.site)) return;
+    const Timestamp delays_from = bus::delays_from(mesh.capture_time, written);
+    preparation_.put(std::move(mesh), delays_from);
 }
 
 void Reception::end(const bus::SiteMesh& gone) {

@@ -29,7 +29,8 @@ public:
 
     void put(const bus::SiteDescription& description);
     void end(const bus::SiteDescription& gone);
-    void put(bus::SiteMesh&& mesh);
+    /// `written`: by the clock of the site.
+    void put(bus::SiteMesh&& mesh, Timestamp written);
     void end(const bus::SiteMesh& gone);
 
     /// Number of sites that are present. Thread-safe.

@@ -33,11 +33,14 @@ void RecordedInput::arrive(const std::string& site, MakeReader make_reader) {
     arrived.lane = next_lane_++ % lanes_.num_lanes();
 }
 
-void RecordedInput::put(bus::SiteMesh message) {
+void RecordedInput::put(bus::SiteMesh message, Timestamp delays_from) {
     const std::string name = message.site;
     const Site& site = sites_.at(name);
-    std::packaged_task<Result()> task(
-        [read = site.read, mesh = std::move(message)] { return read(mesh); });
+    std::packaged_task<Result()> task([read = site.read, mesh = std::move(message), delays_from] {
+        Result shape = read(mesh);
+        if (shape && *shape) (*shape)->delays_from = delays_from;
+        return shape;
+    });
     ++num_meshes_;
     ++num_meshes_ahead_;
     add(PreparedShape{name, lanes_.put(site.lane, std::move(task))});
@@ -72,7 +75,7 @@ void RecordedInput::read(const recording::PlayedSample& sample) {
     if (topic == bus::topic_name<bus::SiteMesh>()) {
         hand_over<bus::SiteMesh>(
             sample,
-            [&](bus::SiteMesh&& mesh) { reception_.put(std::move(mesh)); },
+            [&](bus::SiteMesh&& mesh) { reception_.put(std::move(mesh), sample.raw.written); },
             [&](const bus::SiteMesh& gone) { reception_.end(gone); });
     } else if (topic == bus::topic_name<bus::SiteDescription>()) {
         hand_over<bus::SiteDescription>(

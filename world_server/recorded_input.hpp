@@ -76,7 +76,7 @@ private:
         std::size_t lane = 0;
     };
     void arrive(const std::string& site, MakeReader make_reader) override;
-    void put(bus::SiteMesh message) override;
+    void put(bus::SiteMesh message, Timestamp delays_from) override;
     void lose(const std::string& site) override;
     void leave(const std::string& site) override;
 

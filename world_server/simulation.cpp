@@ -155,7 +155,7 @@ void Simulation::apply_people() {
         if (!shape) return scene_.world().remove_person(site);
         scene_.world().set_person(site, *shape);
         const std::lock_guard lock(status_mutex_);
-        capture_to_collision_.add(now() - shape->capture_time);
+        capture_to_collision_.add(now() - shape->delays_from);
     });
 }
 

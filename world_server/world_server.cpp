@@ -127,18 +127,19 @@ void WorldServer::Impl::take_descriptions() {
 // Takes the samples and keeps the newest of each site. Several arrive together if one was
 // retransmitted.
 void WorldServer::Impl::take_meshes() {
-    std::map<std::string, bus::SiteMesh> newest;
-    count_rejected(endpoints.meshes.take(
-        [&](bus::SiteMesh&& message) {
+    std::map<std::string, std::pair<bus::SiteMesh, Timestamp>> newest;  // with time of writing
+    count_rejected(endpoints.meshes.take_written(
+        [&](bus::SiteMesh&& message, Timestamp written) {
             ++num_meshes;
             const std::string site = message.site;
-            if (!newest.insert_or_assign(site, std::move(message)).second) ++num_superseded;
+            if (!newest.insert_or_assign(site, std::pair(std::move(message), written)).second)
+                ++num_superseded;
         },
-        [&](const bus::SiteMesh& gone) {
+        [&](const bus::SiteMesh& gone, bus::Ending /*how*/) {
             newest.erase(gone.site);
             reception.end(gone);
         }));
-    for (auto& [site, message] : newest) reception.put(std::move(message));
+    for (auto& [site, mesh] : newest) reception.put(std::move(mesh.first), mesh.second);
 }
 
 void WorldServer::Impl::refuse(const std::string& why) {

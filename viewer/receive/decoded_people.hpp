@@ -21,6 +21,7 @@ struct PersonUpdate {
 
     std::optional<renderer::PersonModel> model;  // none: nobody is there any more
     Timestamp capture_time;
+    Timestamp delays_from;         // see bus::delays_from
     Clock::time_point complete{};  // mesh and textures were there
     Clock::time_point ready{};     // the model was ready
 };

@@ -1,5 +1,7 @@
 #include "viewer/receive/feedback.hpp"
 
+#include "core/bus/delays_from.hpp"
+
 #include <algorithm>
 #include <functional>
 
@@ -58,8 +60,8 @@ void Feedback::arrived(const std::string& name,
     site->num_bytes += num_bytes;
     const double delay_ms = milliseconds(now - written);
     site->min_ms = std::min(site->min_ms, delay_ms);
-    site->min_since_capture_ms =
-        std::min(site->min_since_capture_ms, milliseconds(now - capture_time));
+    site->min_since_capture_ms = std::min(
+        site->min_since_capture_ms, milliseconds(now - bus::delays_from(capture_time, written)));
     const bool is_disorder =
         capture_time <= site->newest_capture && site->newest_capture - capture_time < kMaxDisorder;
     if (is_disorder) return;  // it may have waited for earlier samples of its frame
@@ -71,13 +73,13 @@ void Feedback::arrived(const std::string& name,
 
 void Feedback::completed(const std::string& name,
                          std::uint64_t frame_id,
-                         Timestamp capture_time,
+                         Timestamp delays_from,
                          Timestamp now) {
     Site* site = find_or_add(name, now);
     if (site == nullptr) return;
     ++site->feedback.num_complete;
     site->feedback.newest_frame_id = frame_id;
-    site->complete_ms.push_back(milliseconds(now - capture_time));
+    site->complete_ms.push_back(milliseconds(now - delays_from));
 }
 
 void Feedback::lost(const std::string& name, std::uint64_t num_incomplete, std::uint64_t num_late) {

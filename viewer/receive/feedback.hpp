@@ -35,10 +35,10 @@ public:
                  Timestamp capture_time,
                  std::size_t num_bytes,
                  Timestamp now);
-    /// Counts a frame that is complete now.
+    /// Counts a frame that is complete now. `delays_from`: see bus::delays_from.
     void completed(const std::string& site,
                    std::uint64_t frame_id,
-                   Timestamp capture_time,
+                   Timestamp delays_from,
                    Timestamp now);
     /// Counts frames that stay incomplete, and samples that arrived after a newer frame was
     /// complete.

@@ -19,6 +19,7 @@ namespace atrium::viewer {
 struct FramePair {
     bus::SiteMesh mesh;
     std::vector<bus::CameraTexture> textures;  // one per camera in `mesh.textured_cameras`
+    Timestamp delays_from{};                   // see bus::delays_from
 };
 
 struct PairingOptions {

@@ -1,5 +1,6 @@
 #include "viewer/receive/session.hpp"
 
+#include "core/bus/delays_from.hpp"
 #include "core/bus/receive_threads.hpp"
 
 #include <algorithm>
@@ -127,7 +128,8 @@ void Session::receive_sample(Sample&& sample, Timestamp written, std::size_t num
     feedback_.lost(
         site, pairing_.num_incomplete() - num_incomplete, pairing_.num_late() - num_late);
     if (!pair) return;
-    feedback_.completed(site, pair->mesh.frame_id, pair->mesh.capture_time, now);
+    pair->delays_from = bus::delays_from(pair->mesh.capture_time, written);
+    feedback_.completed(site, pair->mesh.frame_id, pair->delays_from, now);
     if (on_complete_) on_complete_(*pair);
     hand_to_decoder(std::move(pair));
 }
@@ -230,7 +232,7 @@ void Session::take_soft_objects() {
 void Session::hand_to_decoder(std::optional<FramePair> pair) {
     if (!pair) return;
     const std::string site = pair->mesh.site;
-    if (!is_offline_ && stale_frames_.add(site, pair->mesh.capture_time, Timestamp::now())) {
+    if (!is_offline_ && stale_frames_.add(site, pair->delays_from, Timestamp::now())) {
         ++num_pairs_skipped_;  // stale: showing nothing is better than showing the past
         return;
     }
@@ -315,6 +317,7 @@ void Session::decode(const std::string& site, Job job, PersonDecodeScratch& scra
     PersonUpdate update;
     if (const auto& pair = job.pair) {
         update.capture_time = pair->mesh.capture_time;
+        update.delays_from = pair->delays_from;
         update.complete = job.complete;
         if (!pair->mesh.draco.empty()) {
             update.model = spent();

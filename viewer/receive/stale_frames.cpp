@@ -10,8 +10,8 @@ constexpr std::int64_t kCreep = 1000;
 
 }  // namespace
 
-bool StaleFrames::add(const std::string& name, Timestamp capture_time, Timestamp now) {
-    const std::chrono::nanoseconds delay = now - capture_time;
+bool StaleFrames::add(const std::string& name, Timestamp delays_from, Timestamp now) {
+    const std::chrono::nanoseconds delay = now - delays_from;
     const auto [found, is_new] = sites_.try_emplace(name, Site{delay, now, {}});
     Site& site = found->second;
     const auto since_last = std::max(now - site.seen, std::chrono::nanoseconds(0));

@@ -19,9 +19,9 @@ public:
     static constexpr std::chrono::nanoseconds kMaxMore = std::chrono::seconds(1);
     static constexpr std::chrono::nanoseconds kGetsUsedTo = std::chrono::milliseconds(500);
 
-    /// Adds a frame of `site`, captured at `capture_time` on the site's clock and complete at `now`
-    /// on the local clock. Returns whether it is stale.
-    bool add(const std::string& site, Timestamp capture_time, Timestamp now);
+    /// Adds a frame of `site`, whose delay counts from `delays_from` on the site's clock
+    /// (bus::delays_from), complete at `now` on the local clock. Returns whether it is stale.
+    bool add(const std::string& site, Timestamp delays_from, Timestamp now);
     /// Forgets a site. Its next frame is a new start.
     void forget(const std::string& site) { sites_.erase(site); }
 

@@ -48,7 +48,7 @@ void PeopleView::show(const std::string& site,
     shown.since = now;
     ++shown.num_pairs;
     shown.place_site = place_of(update.model->vertices_site);
-    just_shown_.push_back({update.capture_time, update.complete, update.ready});
+    just_shown_.push_back({update.delays_from, update.complete, update.ready});
     session.recycle(renderer.set_person(site, std::move(*update.model)));
     ++num_pairs_shown_;
 }

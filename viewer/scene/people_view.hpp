@@ -52,7 +52,7 @@ public:
     std::uint64_t num_pairs_shown() const { return num_pairs_shown_; }
     /// Times of a person who is new in a picture.
     struct JustShown {
-        Timestamp captured;
+        Timestamp delays_from;  // its capture, see bus::delays_from
         Clock::time_point complete;
         Clock::time_point ready;
     };

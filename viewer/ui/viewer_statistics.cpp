@@ -19,9 +19,9 @@ void ViewerStatistics::add_picture(const std::vector<PeopleView::JustShown>& peo
     const Clock::time_point shown_at = Clock::now();
     pictures_.add(1.0, now);
     for (const PeopleView::JustShown& shown : people) {
-        latency_.add(displayed - shown.captured);
+        latency_.add(displayed - shown.delays_from);
         shown_at_ = now;
-        latencies_ms_.add(milliseconds(displayed - shown.captured), now);
+        latencies_ms_.add(milliseconds(displayed - shown.delays_from), now);
         times_.add_way(shown.ready - shown.complete, now - shown.ready, shown_at - shown.complete);
     }
     if (num_pictures_ == 0) first_output_s_ = app::seconds_since_start();

@@ -17,6 +17,8 @@
 namespace atrium::world_server {
 namespace {
 
+constexpr Timestamp kWritten{1'000'000'000};
+
 bus::SiteMesh mesh_of(const std::string& site, std::int64_t number) {
     bus::SiteMesh message;
     message.site = site;
@@ -68,9 +70,9 @@ struct WhileReading {
 
     explicit WhileReading(std::initializer_list<int> others) {
         sut.arrive("alice", gate.make_reader());
-        sut.put(mesh_of("alice", 1));
+        sut.put(mesh_of("alice", 1), kWritten);
         gate.began.acquire();
-        for (const int number : others) sut.put(mesh_of("alice", number));
+        for (const int number : others) sut.put(mesh_of("alice", number), kWritten);
         gate.go_on.release();
         gate.began.acquire();
         gate.go_on.release();
@@ -99,9 +101,9 @@ TEST(MeshPreparation, DeliversNothingOfALostPerson) {
     Gate gate;
     MeshPreparation sut(inbox, 1, [](const std::string&) { FAIL(); });
     sut.arrive("alice", gate.make_reader());
-    sut.put(mesh_of("alice", 1));
+    sut.put(mesh_of("alice", 1), kWritten);
     gate.began.acquire();
-    sut.put(mesh_of("alice", 2));  // waits, and is cancelled too
+    sut.put(mesh_of("alice", 2), kWritten);  // waits, and is cancelled too
     sut.lose("alice");
     News news = take(inbox);
     ASSERT_TRUE(news.contains("alice"));
@@ -109,7 +111,7 @@ TEST(MeshPreparation, DeliversNothingOfALostPerson) {
     // the only worker has prepared another site's mesh, so those of alice are done
     Gate other;
     sut.arrive("bob", other.make_reader());
-    sut.put(mesh_of("bob", 1));
+    sut.put(mesh_of("bob", 1), kWritten);
     gate.go_on.release();
     other.began.acquire();
     other.go_on.release();
@@ -139,7 +141,7 @@ TEST(MeshPreparation, RestartsForASiteThatReturns) {
     sut.leave("alice");
     sut.arrive("alice", make_reader);
     EXPECT_EQ(num_readers, 2);
-    sut.put(mesh_of("alice", 1));
+    sut.put(mesh_of("alice", 1), kWritten);
     while (num_read == 0) std::this_thread::yield();
     sut.stop();
     EXPECT_TRUE(take(inbox).at("alice").has_value());
@@ -157,7 +159,7 @@ TEST(MeshPreparation, ReportsMeshesThatAReaderRefuses) {
             return make_error(ErrorKind::kInvalidData, "broken");
         };
     });
-    sut.put(mesh_of("alice", 1));
+    sut.put(mesh_of("alice", 1), kWritten);
     while (num_refused == 0) std::this_thread::yield();
     sut.stop();
     EXPECT_TRUE(take(inbox).empty());
@@ -217,7 +219,7 @@ TEST(MeshPreparation, KeepsTheOrderOfEachSite) {
                 sut.arrive(name, maker_for(site));
                 site.is_there = true;
             } else if (what < 90) {
-                sut.put(mesh_of(name, ++number));
+                sut.put(mesh_of(name, ++number), kWritten);
                 site.last_put = number;
             } else if (what < 96) {
                 step();  // meshes from before the end may be used until now

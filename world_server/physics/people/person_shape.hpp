@@ -20,6 +20,7 @@ struct PersonShape {
     std::shared_ptr<const std::vector<MovingSurfel>> surfels;  // never null
     double period_s = 0.0;  // time since the previous mesh; 0: no previous mesh, nothing moves
     Timestamp capture_time;
+    Timestamp delays_from;  // start of its latencies: its capture, or when a recording was played
 };
 
 /// Converts successive meshes of one person into surfels that move from each surface to the next.
