@@ -42,17 +42,35 @@ Expected<std::unique_ptr<Player>> Player::create(std::shared_ptr<const WorldFile
         if (!writer) return tl::unexpected(writer.error());
         player->outputs_[topic].writer = std::move(*writer);
     }
+    if (!player->selection_.sites.empty()) {
+        auto placements =
+            bus::find_raw_topic(bus::topic_name<bus::SitePlacement>())->reader(participant);
+        if (!placements) return tl::unexpected(placements.error());
+        player->placements_ = std::move(*placements);
+    }
     return player;
 }
 
 bool Player::is_wanted(const bus::RawTopic& topic, const std::string& key) const {
     if (selection_.sites.empty()) return true;
+    // the viewers of the recording are not played with its sites
+    if (topic.name() == bus::topic_name<bus::StreamFeedback>()) return false;
     const auto site = site_of(topic, key);
     return site && selection_.sites.contains(*site);
 }
 
+// Beside living people the world server decides where the played ones stand: it pushes objects
+// there.
+bool Player::is_left_to_world_server(const bus::RawTopic& topic) const {
+    if (!placements_) return false;
+    const bool is_of_one = topic.name() == bus::topic_name<bus::SitePlacement>() ||
+                           topic.name() == bus::topic_name<bus::PersonProxy>();
+    const bus::RawTopic* const own = bus::find_raw_topic(bus::topic_name<bus::SitePlacement>());
+    return is_of_one && placements_->num_writers() > (outputs_.contains(own) ? 1 : 0);
+}
+
 void Player::write(const PlayedSample& sample, bool is_known_wanted) {
-    if (!outputs_.contains(sample.topic)) return;
+    if (!outputs_.contains(sample.topic) || is_left_to_world_server(*sample.topic)) return;
     const auto key = sample.topic->key_of(sample.raw);
     if (!key) return refuse(*sample.topic, key.error());
     if (!is_known_wanted && !is_wanted(*sample.topic, *key)) return;

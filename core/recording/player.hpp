@@ -21,8 +21,10 @@ namespace atrium::recording {
 
 /// What of a recording is played, and as whom.
 struct PlaySelection {
-    std::set<std::string> sites;   // only what belongs to these sites; empty: everything
-    std::set<std::string> topics;  // only these; empty: all
+    /// Only what belongs to these sites, without the viewers of the recording; empty: everything.
+    /// The places of these sites are left to a world server, if the world has one.
+    std::set<std::string> sites;
+    std::set<std::string> topics;              // only these; empty: all
     std::map<std::string, std::string> names;  // other names of sites, by the recorded one
     std::map<std::string, geometry::RigidTransform> places;  // world_from_site, by the new name
 };
@@ -96,6 +98,7 @@ private:
     Player(std::shared_ptr<const WorldFile> world, PlaySelection selection);
 
     bool is_wanted(const bus::RawTopic& topic, const std::string& key) const;
+    bool is_left_to_world_server(const bus::RawTopic& topic) const;
     void write(const PlayedSample& sample, bool is_known_wanted);
     void refuse(const bus::RawTopic& topic, const Error& why);
     void write(const bus::RawTopic& topic, const bus::RawSample& sample, const std::string& key);
@@ -110,6 +113,7 @@ private:
     PlaySelection selection_;
     Cursor cursor_;                                   // running thread only
     std::map<const bus::RawTopic*, Output> outputs_;  // running thread only
+    std::unique_ptr<bus::RawReader> placements_;      // null: everything is played
 
     mutable std::mutex mutex_;
     mutable std::condition_variable_any changed_;
