@@ -1,10 +1,8 @@
 #include "world_server/recorded_run.hpp"
 
-#include "core/codec/mesh_codec.hpp"
 #include "core/recording/cursor.hpp"
-#include "core/recording/world_writer.hpp"
 #include "simulation_stage.hpp"
-#include "tests/support/world/physics_meshes.hpp"
+#include "tests/support/world/foot_recording.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -19,61 +17,11 @@ namespace atrium::world_server {
 namespace {
 
 namespace fs = std::filesystem;
-using std::chrono::nanoseconds;
 
-constexpr Timestamp kBegin{1'700'000'000'000'000'000};
+using physics_test::FootRecording;
+using physics_test::kRecordingBegin;
+
 constexpr double kLengthS = 3.0;
-
-nanoseconds seconds(double value_s) {
-    return nanoseconds(static_cast<std::int64_t>(value_s * 1e9));
-}
-
-// A recording of people who walk past each other, each a box of a foot's size.
-class Recording {
-public:
-    explicit Recording(fs::path file) : file_(std::move(file)) {
-        fs::remove(file_);
-        auto writer = recording::WorldWriter::create({file_, "rec", "here", "1"});
-        EXPECT_TRUE(writer) << writer.error().message;
-        writer_.emplace(std::move(*writer));
-    }
-    const fs::path& file() const { return file_; }
-
-    template <typename Message>
-    void write(double time_s, const Message& message, bus::RawKind kind = bus::RawKind::kSample) {
-        const auto* topic = bus::find_raw_topic(bus::topic_name<Message>());
-        const Timestamp time = kBegin + seconds(time_s);
-        auto cdr = bus::to_cdr(message);
-        if (kind != bus::RawKind::kSample) cdr = topic->key_cdr({kind, time, cdr}).value();
-        ASSERT_TRUE(writer_->write({topic, kind, time, time, std::move(cdr)}));
-    }
-    void describe(double time_s, const std::string& site) {
-        bus::SiteDescription description;
-        description.site = site;
-        description.bounds_site.add({-2, -2, 0});
-        description.bounds_site.add({2, 2, 2});
-        write(time_s, description);
-    }
-    // The foot's centre, in the site's frame.
-    void put_foot(double time_s, const std::string& site, const Eigen::Vector3d& place) {
-        bus::SiteMesh mesh;
-        mesh.site = site;
-        mesh.capture_time = kBegin + seconds(time_s) + -std::chrono::milliseconds(20);
-        mesh.frame_id = ++frame_;
-        ASSERT_TRUE(codec::MeshEncoder().encode(
-            physics_test::make_box_mesh(
-                {0.1, 0.2, 0.3}, {Eigen::Quaterniond::Identity(), place}, 3),
-            {},
-            mesh.draco));
-        write(time_s, mesh);
-    }
-    void finish() { ASSERT_TRUE(writer_->finish()); }
-
-private:
-    fs::path file_;
-    std::optional<recording::WorldWriter> writer_;
-    std::uint64_t frame_ = 0;
-};
 
 fs::path file_named(const std::string& name) {
     return fs::path(testing::TempDir()) / (name + "-" + std::to_string(::getpid()) + ".mcap");
@@ -81,7 +29,7 @@ fs::path file_named(const std::string& name) {
 
 // Alice's foot comes from the left and pushes the ball; bob's comes later, from the right.
 fs::path push_recording(const std::string& name, double speed_mps = 0.8) {
-    Recording recording(file_named(name));
+    FootRecording recording(file_named(name));
     recording.describe(0.0, "alice");
     recording.describe(0.001, "bob");
     const auto num = static_cast<int>(kLengthS * 30.0);
@@ -174,7 +122,7 @@ TEST(RecordedRun, GivesTheSameStatesWithAnyNumberOfThreads) {
 }
 
 TEST(RecordedRun, TicksLikeALiveWorldWithoutPeople) {
-    Recording recording(file_named("nobody"));
+    FootRecording recording(file_named("nobody"));
     recording.describe(0.0, "alice");
     recording.put_foot(0.001, "alice", {0, 1.5, 0.15});  // far from the ball
     recording.describe(kLengthS, "alice");
@@ -193,7 +141,7 @@ TEST(RecordedRun, TicksLikeALiveWorldWithoutPeople) {
 }
 
 TEST(RecordedRun, WritesTheRecordedPeopleWithTheObjectsOfThisWorld) {
-    Recording recording(file_named("source"));
+    FootRecording recording(file_named("source"));
     bus::SceneObject foreign;  // of the recorded world
     foreign.object = 7;
     foreign.name = "foreign";
@@ -256,7 +204,7 @@ TEST(RecordedRun, WritesTheRecordedPeopleWithTheObjectsOfThisWorld) {
 }
 
 TEST(RecordedRun, ObeysRecordedCommandsUnlessToldNotTo) {
-    Recording recording(file_named("commands"));
+    FootRecording recording(file_named("commands"));
     recording.describe(0.0, "alice");
     recording.put_foot(0.01, "alice", {0, 1.5, 0.15});
     bus::SceneCommand push;
@@ -280,7 +228,7 @@ TEST(RecordedRun, ObeysRecordedCommandsUnlessToldNotTo) {
 }
 
 TEST(RecordedRun, KeepsThePlacesOfSitesThatTheWorldFileDoesNotName) {
-    Recording recording(file_named("places"));
+    FootRecording recording(file_named("places"));
     recording.describe(0.0, "alice");
     recording.write(0.0, bus::SitePlacement{"alice", {Eigen::Quaterniond::Identity(), {1, 2, 0}}});
     recording.put_foot(0.01, "alice", {0, 0, 0.15});
@@ -302,7 +250,7 @@ TEST(RecordedRun, KeepsThePlacesOfSitesThatTheWorldFileDoesNotName) {
 
 TEST(RecordedRun, EndsPeopleWhoseSiteLeft) {
     const auto contact_ticks = [](bool leaves) {
-        Recording recording(file_named(leaves ? "leaves" : "stays"));
+        FootRecording recording(file_named(leaves ? "leaves" : "stays"));
         recording.describe(0.0, "alice");
         recording.put_foot(0.01, "alice", {0, 0, 0.35});  // the ball falls on it
         bus::SiteDescription gone;
@@ -347,15 +295,15 @@ TEST(RecordedRun, SaysWhyARecordingIsOfNoUse) {
     ASSERT_FALSE(missing);
     EXPECT_EQ(missing.error().kind, ErrorKind::kNotFound);
 
-    Recording empty(file_named("empty"));
-    empty.write(0.0, bus::SceneState{"rec", 1, kBegin, {}});
+    FootRecording empty(file_named("empty"));
+    empty.write(0.0, bus::SceneState{"rec", 1, kRecordingBegin, {}});
     empty.finish();
     const auto nobody = RecordedRun::create(config_of(empty.file()));
     ASSERT_FALSE(nobody);
     EXPECT_NE(nobody.error().message.find("has no site"), std::string::npos);
 
     // a site, but nothing of it that can be read
-    Recording silent(file_named("silent"));
+    FootRecording silent(file_named("silent"));
     silent.describe(0.0, "alice");
     silent.describe(1.0, "alice");
     silent.finish();

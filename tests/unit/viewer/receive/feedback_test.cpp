@@ -1,5 +1,7 @@
 #include "viewer/receive/feedback.hpp"
 
+#include "core/bus/delays_from.hpp"
+
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -64,6 +66,23 @@ TEST_F(FeedbackOfAViewer, CountsArrivalsSinceTheLastReport) {
     EXPECT_EQ(next[0].min_delay_ms, 0.0);
     EXPECT_EQ(next[0].sure_delay_ms, 0.0);
     EXPECT_EQ(next[0].median_delay_ms, 0.0);
+}
+
+// A recording keeps the capture times of its making.
+TEST_F(FeedbackOfAViewer, CountsDelaysOfAPlayedPersonFromThePlaying) {
+    const Timestamp captured = kFirstReport + -std::chrono::hours(24 * 365);
+    const Timestamp written = kFirstReport + milliseconds(50);
+    const Timestamp arrival = written + milliseconds(7);
+    feedback_.arrived("lab", written, captured, 1000, arrival);
+    feedback_.looked(arrival, true);
+    const auto reports = report(kFirstReport + milliseconds(230));
+    ASSERT_EQ(reports.size(), 1u);
+    EXPECT_NEAR(reports[0].median_delay_ms, 7.0, 1e-6);
+    // what comes late from a living site is late
+    EXPECT_EQ(bus::delays_from(written + -milliseconds(2900), written).ns,
+              (written + -milliseconds(2900)).ns);
+    EXPECT_EQ(bus::delays_from(captured, written), written);
+    EXPECT_EQ(bus::delays_from(written + std::chrono::hours(1), written), written);
 }
 
 /// Frames of one sample each, 33 ms apart, that take 20 ms from writing to this host.
