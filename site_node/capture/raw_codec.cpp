@@ -40,7 +40,7 @@ AVCodecID id_of(RawCodec codec) {
     return codec == RawCodec::kFfv1 ? AV_CODEC_ID_FFV1 : AV_CODEC_ID_FFVHUFF;
 }
 
-std::string text_of(int error) {
+std::string av_error_text(int error) {
     std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
     return av_make_error_string(text.data(), text.size(), error);
 }
@@ -123,7 +123,7 @@ Expected<SheetEncoder> SheetEncoder::open(RawCodec codec, const SheetSize& size)
     impl->context->thread_count = 1;
     if (!set_options(*impl->context, codec)) return unavailable("this libavcodec is too old");
     if (const int error = avcodec_open2(impl->context.get(), found, nullptr); error < 0)
-        return unavailable(text_of(error));
+        return unavailable(av_error_text(error));
     return SheetEncoder(std::move(impl));
 }
 
@@ -138,7 +138,7 @@ Expected<void> SheetEncoder::encode(std::span<const std::uint8_t> sheet,
     AVFrame& frame = *impl_->frame;
     const auto failed = [](int error) {
         return make_error(ErrorKind::kInternal,
-                          fmt::format("a picture cannot be compressed: {}", text_of(error)));
+                          fmt::format("a picture cannot be compressed: {}", av_error_text(error)));
     };
     if (const int error = av_frame_make_writable(&frame); error < 0) return failed(error);
     for (int y = 0; y < impl_->size.height; ++y) {
@@ -210,7 +210,7 @@ Expected<SheetDecoder> SheetDecoder::open(RawCodec codec,
     std::ranges::copy(codec_data, impl->context->extradata);
     impl->context->extradata_size = static_cast<int>(codec_data.size());
     if (const int error = avcodec_open2(impl->context.get(), found, nullptr); error < 0)
-        return invalid(text_of(error));
+        return invalid(av_error_text(error));
     return SheetDecoder(std::move(impl));
 }
 
@@ -228,8 +228,8 @@ Expected<void> SheetDecoder::decode(std::span<const std::uint8_t> coded,
     packet.flags |= AV_PKT_FLAG_KEY;
     const int sent = avcodec_send_packet(impl_->context.get(), &packet);
     av_packet_unref(&packet);
-    if (sent < 0) return invalid(text_of(sent));
-    if (const int error = impl_->receive(); error < 0) return invalid(text_of(error));
+    if (sent < 0) return invalid(av_error_text(sent));
+    if (const int error = impl_->receive(); error < 0) return invalid(av_error_text(error));
     const AVFrame& frame = *impl_->frame;
     if (frame.format != AV_PIX_FMT_GRAY8 || frame.width != impl_->size.width ||
         frame.height != impl_->size.height)

@@ -229,7 +229,10 @@ Expected<RawFile> RawFile::open(const fs::path& file) {
     impl->num_bytes = static_cast<std::uint64_t>(about.st_size);
     const auto first = impl->read_head();
     if (!first) return tl::unexpected(first.error());
+    // from head to head: reading ahead would read the whole file
+    posix_fadvise(impl->file.get(), 0, 0, POSIX_FADV_RANDOM);
     impl->find_pictures(*first);
+    posix_fadvise(impl->file.get(), 0, 0, POSIX_FADV_SEQUENTIAL);
     return RawFile(std::move(impl));
 }
 

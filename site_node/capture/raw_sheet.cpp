@@ -10,7 +10,7 @@ namespace {
 
 using image::PixelFormat;
 
-std::size_t size(int value) { return static_cast<std::size_t>(value); }
+std::size_t as_size(int value) { return static_cast<std::size_t>(value); }
 
 // Separates bytes that repeat every `kStep`: all first ones, then all second ones, ...
 template <std::size_t kStep>
@@ -66,7 +66,7 @@ template <typename Visit>
 void visit_rows(const RawLayout& layout, Visit visit) {
     const bool is_mosaic = image::mosaic_of(layout.format) != image::Mosaic::kNone;
     const std::size_t row = image::row_bytes(layout.format, layout.width);
-    const std::size_t num = size(layout.height);
+    const std::size_t num = as_size(layout.height);
     for (std::size_t y = 0; y < num; ++y) {
         const std::size_t in_sheet = is_mosaic ? (y % 2 == 0 ? y / 2 : (num + 1) / 2 + y / 2) : y;
         visit(y * row, in_sheet * row);
@@ -76,9 +76,9 @@ void visit_rows(const RawLayout& layout, Visit visit) {
 // Planes of 4:2:0: u and v lie beside each other in the sheet, below the luma.
 template <typename Visit>
 void visit_chroma_rows(const RawLayout& layout, Visit visit) {
-    const std::size_t luma = size(layout.width) * size(layout.height);
-    const std::size_t row = size(layout.width) / 2;
-    const std::size_t num = size(layout.height) / 2;
+    const std::size_t luma = as_size(layout.width) * as_size(layout.height);
+    const std::size_t row = as_size(layout.width) / 2;
+    const std::size_t num = as_size(layout.height) / 2;
     for (std::size_t y = 0; y < num; ++y) {
         visit(luma + y * row, luma + 2 * y * row, row);
         visit(luma + (num + y) * row, luma + (2 * y + 1) * row, row);
@@ -100,7 +100,8 @@ RawLayout layout_of(const image::RawImage& picture) {
 }
 
 std::size_t packed_bytes(const RawLayout& layout) {
-    const std::size_t first = image::row_bytes(layout.format, layout.width) * size(layout.height);
+    const std::size_t first =
+        image::row_bytes(layout.format, layout.width) * as_size(layout.height);
     return layout.format == PixelFormat::kYuv420 ? first / 2 * 3 : first;
 }
 
@@ -111,16 +112,16 @@ void pack(const image::RawImage& picture, std::vector<std::uint8_t>& out) {
     std::uint8_t* to = out.data();
     const auto copy = [&](const image::RawImage::RawPlane& plane, std::size_t row, int num_rows) {
         if (plane.stride_bytes == row) {
-            to = std::copy_n(plane.data, row * size(num_rows), to);
+            to = std::copy_n(plane.data, row * as_size(num_rows), to);
             return;
         }
         for (int y = 0; y < num_rows; ++y)
-            to = std::copy_n(plane.data + size(y) * plane.stride_bytes, row, to);
+            to = std::copy_n(plane.data + as_size(y) * plane.stride_bytes, row, to);
     };
     copy(picture.planes[0], image::row_bytes(layout.format, layout.width), layout.height);
     if (layout.format != PixelFormat::kYuv420) return;
-    copy(picture.planes[1], size(layout.width) / 2, layout.height / 2);
-    copy(picture.planes[2], size(layout.width) / 2, layout.height / 2);
+    copy(picture.planes[1], as_size(layout.width) / 2, layout.height / 2);
+    copy(picture.planes[2], as_size(layout.width) / 2, layout.height / 2);
 }
 
 image::RawImage unpack(const RawLayout& layout, std::vector<std::uint8_t> bytes) {
@@ -132,10 +133,11 @@ image::RawImage unpack(const RawLayout& layout, std::vector<std::uint8_t> bytes)
     picture.height = layout.height;
     picture.planes[0] = {memory->data(), image::row_bytes(layout.format, layout.width)};
     if (layout.format == PixelFormat::kYuv420) {
-        const std::size_t half = size(layout.width) / 2;
-        const std::uint8_t* const u = memory->data() + size(layout.width) * size(layout.height);
+        const std::size_t half = as_size(layout.width) / 2;
+        const std::uint8_t* const u =
+            memory->data() + as_size(layout.width) * as_size(layout.height);
         picture.planes[1] = {u, half};
-        picture.planes[2] = {u + half * (size(layout.height) / 2), half};
+        picture.planes[2] = {u + half * (as_size(layout.height) / 2), half};
     }
     picture.owner = std::move(memory);
     return picture;

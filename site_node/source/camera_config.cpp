@@ -59,9 +59,33 @@ capture::CameraEntry read_camera(config::TableReader& table) {
     return camera;
 }
 
+// The cameras of the file, each with the settings that it does not share.
+std::string cameras_text(const std::vector<capture::CameraEntry>& cameras) {
+    std::string text;
+    const auto add = [&](const char* key, const auto& value, bool is_set) {
+        if (is_set) text += fmt::format(" {}={}", key, value);
+    };
+    for (const capture::CameraEntry& camera : cameras) {
+        const capture::CameraSettings& own = camera.settings;
+        text += (text.empty() ? "" : ", ") + camera.name;
+        add("serial", camera.serial, !camera.serial.empty());
+        add("address", camera.address, !camera.address.empty());
+        add("pixel_format", own.pixel_format, !own.pixel_format.empty());
+        add("exposure_us", own.exposure_us, own.exposure_us > 0.0);
+        add("gain_db", own.gain_db, own.gain_db >= 0.0);
+        add("white_balance", own.white_balance, !own.white_balance.empty());
+        add("trigger_source", own.trigger_source, !own.trigger_source.empty());
+        add("packet_size", own.packet_size, own.packet_size > 0);
+        add("packet_delay_ns", own.packet_delay_ns, own.packet_delay_ns >= 0);
+        if (own.region_px) text += fmt::format(" region_px=[{}]", fmt::join(*own.region_px, ", "));
+    }
+    return text.empty() ? "none" : text;
+}
+
 }  // namespace
 
 void declare(CameraConfig& config, config::OptionSet& set) {
+    set.show("capture.camera", [&config] { return cameras_text(config.options.cameras); });
     set.add("capture.trigger",
             config.trigger,
             "trigger of the cameras: an input line, the site's software, or their own clock",

@@ -18,4 +18,8 @@ std::string check_profiles_bytes(std::span<const std::uint8_t> bytes, bool& was_
 /// file.
 std::string check_background_bytes(std::span<const std::uint8_t> bytes, bool& was_accepted);
 
+/// A frames.raw. If the first byte is odd, all sums are made right, as far as the file can be
+/// followed. The first byte is not part of the file.
+std::string check_raw_bytes(std::span<const std::uint8_t> bytes, bool& was_accepted);
+
 }  // namespace atrium::test

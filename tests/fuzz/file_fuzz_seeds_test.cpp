@@ -17,6 +17,7 @@ TEST(FileFuzzSeeds, KeepTheProfileReadersPromises) {
 TEST(FileFuzzSeeds, KeepTheBackgroundReadersPromises) {
     replay("file_background", check_background_bytes, 1, 3);
 }
+TEST(FileFuzzSeeds, KeepTheRawPictureReadersPromises) { replay("file_raw", check_raw_bytes, 3, 3); }
 
 }  // namespace
 }  // namespace atrium::test
