@@ -8,8 +8,10 @@
 namespace atrium::recording {
 namespace {
 
-void rename(std::string& name, const Names& names) {
-    if (const auto found = names.find(name); found != names.end()) name = found->second;
+// The first `length` characters of `name` are the site's.
+void rename(std::string& name, std::size_t length, const Names& names) {
+    if (const auto found = names.find(name.substr(0, length)); found != names.end())
+        name.replace(0, found->first.size(), found->second);
 }
 
 // The name of its site in a message.
@@ -27,7 +29,12 @@ Expected<std::vector<std::byte>> rename_in(const bus::RawSample& sample,
                                            const Places& places) {
     auto message = bus::from_raw<Message>(sample);
     if (!message) return tl::unexpected(message.error());
-    rename(site_in(*message), names);
+    std::size_t length = site_in(*message).size();
+    if constexpr (std::is_same_v<Message, bus::Presence>) {
+        if (message->kind != bus::ProgramKind::kSiteNode)
+            length = site_of_host(message->name).size();
+    }
+    rename(site_in(*message), length, names);
     if constexpr (std::is_same_v<Message, bus::SitePlacement>) {
         if (const auto place = places.find(message->site); place != places.end())
             message->world_from_site = place->second;
@@ -70,10 +77,8 @@ Expected<std::vector<std::byte>> renamed(const bus::RawTopic& topic,
 std::string renamed_key(const bus::RawTopic& topic, const std::string& key, const Names& names) {
     const auto site = site_of(topic, key);
     if (!site || !names.contains(*site)) return key;
-    // The name stands between slashes: at the start, or behind the viewer or kind.
-    const std::size_t at = key.starts_with(*site + "/") || key == *site ? 0 : key.find('/') + 1;
     std::string out = key;
-    return out.replace(at, site->size(), names.at(*site));
+    return out.replace(place_of_site(topic, key), site->size(), names.at(*site));
 }
 
 }  // namespace atrium::recording

@@ -28,6 +28,13 @@ std::string part(std::string_view key, int number) {
 
 }  // namespace
 
+// Sites have names with dots more often than hosts do.
+std::string site_of_host(const std::string& name) { return name.substr(0, name.rfind('.')); }
+
+std::size_t place_of_site(const bus::RawTopic& topic, std::string_view key) {
+    return std::ranges::find(kOfSites, topic.name()) != kOfSites.end() ? 0 : key.find('/') + 1;
+}
+
 bool is_kept(const bus::RawTopic& topic) { return topic.qos_class() == "description"; }
 
 bool is_command(const bus::RawTopic& topic) {
@@ -44,7 +51,9 @@ std::optional<std::string> site_of(const bus::RawTopic& topic, std::string_view 
     if (topic.name() == "Presence") {
         // site node, camera node, region node
         const std::string kind = part(key, 0);
-        if (kind == "0" || kind == "4" || kind == "5") return part(key, 1);
+        const std::string name = part(key, 1);
+        if (kind == "0") return name;
+        if (kind == "4" || kind == "5") return site_of_host(name);
     }
     return std::nullopt;
 }

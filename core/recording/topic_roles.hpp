@@ -20,6 +20,12 @@ bool is_command(const bus::RawTopic& topic);
 /// The site that an instance belongs to, from its key (RawTopic::key_of); nullopt: to none.
 std::optional<std::string> site_of(const bus::RawTopic& topic, std::string_view key);
 
+/// The site of a camera node or region node: of SITE.HOST (bus::host_program_name).
+std::string site_of_host(const std::string& name);
+
+/// Where in such a key the site's name begins.
+std::size_t place_of_site(const bus::RawTopic& topic, std::string_view key);
+
 /// True for meshes and textures, nearly all bytes of a recording.
 bool is_of_people(const bus::RawTopic& topic);
 
