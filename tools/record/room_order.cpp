@@ -13,12 +13,12 @@
 namespace atrium::record_tool {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using RoomClock = std::chrono::steady_clock;
 using bus::RoomRecordingState;
 constexpr std::chrono::seconds kAnswer{5};
 constexpr std::chrono::seconds kEnd{30};  // to write what waits
-constexpr std::chrono::seconds kTellPeriod{10};
-constexpr std::chrono::milliseconds kLook{100};
+constexpr std::chrono::seconds kRoomTellPeriod{10};
+constexpr std::chrono::milliseconds kRoomLook{100};
 
 class RoomOrder {
 public:
@@ -41,17 +41,17 @@ public:
             return no_answer(stop);
         if (auto done = order(bus::RecordOrderKind::kStart, kAnswer, stop); !done) return done;
         app::log::info("recording_room site={} folder={}", config_.site, state_->text);
-        const Clock::time_point begin = Clock::now();
-        Clock::time_point due = begin + kTellPeriod;
+        const RoomClock::time_point begin = RoomClock::now();
+        RoomClock::time_point due = begin + kRoomTellPeriod;
         const auto is_over = [&] {
             return stop.stop_requested() || state_->state != RoomRecordingState::kRunning ||
                    (config_.seconds > 0.0 &&
-                    std::chrono::duration<double>(Clock::now() - begin).count() >= config_.seconds);
+                    std::chrono::duration<double>(RoomClock::now() - begin).count() >= config_.seconds);
         };
         while (!is_over()) {
             take();
-            if (Clock::now() < due) continue;
-            due += kTellPeriod;
+            if (RoomClock::now() < due) continue;
+            due += kRoomTellPeriod;
             tell("recording_room");
         }
         const std::string folder = state_->text;
@@ -69,21 +69,21 @@ public:
 
 private:
     void take() {
-        waiter_.wait(kLook);
+        waiter_.wait(kRoomLook);
         states_.take([this](bus::RoomRecording&& state) {
             if (state.site == config_.site) state_ = std::move(state);
         });
     }
 
     template <typename Condition>
-    bool wait(const Condition& is_met, Clock::duration longest, const std::stop_token& stop) {
-        const Clock::time_point end = Clock::now() + longest;
-        while (!is_met() && Clock::now() < end && !stop.stop_requested()) take();
+    bool wait(const Condition& is_met, RoomClock::duration longest, const std::stop_token& stop) {
+        const RoomClock::time_point end = RoomClock::now() + longest;
+        while (!is_met() && RoomClock::now() < end && !stop.stop_requested()) take();
         return is_met();
     }
 
     Expected<void> order(bus::RecordOrderKind kind,
-                         Clock::duration longest,
+                         RoomClock::duration longest,
                          const std::stop_token& stop) {
         const std::uint32_t number = ++number_;
         auto written = orders_.write({sender_, config_.site, number, kind, config_.folder});
