@@ -97,7 +97,7 @@ def main():
             f"| times | off by {played['time_error_ms']['median']:.2f} ms (median), {played['time_error_ms']['p99']:.2f} ms (p99) |",
             f"| 100 random jumps | {seeks['median_ms']:.0f} ms (median), {seeks['p90_ms']:.0f} ms (p90), {seeks['max_ms']:.0f} ms (longest) |"]
     if os.path.exists(PAGE):
-        comment = f"{origin['date']}, commit {origin['commit']}, {origin['machine']}, score {origin['score']['score']:.0f}"
+        comment = f"{origin['date']}, commit {origin['commit']}, {origin['machine']}, score {origin['score']['one_core']['score']:.0f}"
         page_table.put_table(PAGE, "record-world", rows, comment)
     print("\n".join(rows))
 
