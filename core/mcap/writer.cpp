@@ -123,13 +123,9 @@ Expected<void> Writer::flush(std::size_t lane) {
         put_bytes(buffer_, indexes);
         return append(buffer_);
     }();
-    if (!written) {
-        num_lost_ += builder.num_messages;
-    } else {
-        for (const auto& [channel, places] : builder.index)
-            contents_.num_messages[channel] += places.size();
-        contents_.chunks.push_back(std::move(chunk));
-    }
+    auto& counts = written ? contents_.num_messages : lost_;
+    for (const auto& [channel, places] : builder.index) counts[channel] += places.size();
+    if (written) contents_.chunks.push_back(std::move(chunk));
     builder.clear();
     return written;
 }

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -56,8 +57,8 @@ public:
     /// Of the file so far.
     std::uint64_t num_bytes() const { return end_; }
     const Contents& contents() const { return contents_; }
-    /// Messages of chunks that could not be written.
-    std::uint64_t num_lost() const { return num_lost_; }
+    /// Messages of chunks that could not be written, by channel.
+    const std::map<std::uint16_t, std::uint64_t>& lost() const { return lost_; }
 
 private:
     Writer(std::filesystem::path file, OpenFile descriptor, std::size_t num_lanes);
@@ -71,7 +72,7 @@ private:
     std::vector<ChunkBuilder> lanes_;
     ZstdCompressor compressor_;
     Bytes buffer_;
-    std::uint64_t num_lost_ = 0;
+    std::map<std::uint16_t, std::uint64_t> lost_;
     bool is_finished_ = false;
 };
 

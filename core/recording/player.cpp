@@ -133,6 +133,12 @@ void Player::end_all_but(const std::set<std::pair<const bus::RawTopic*, std::str
 }
 
 void Player::show(Timestamp time) {
+    if (time <= world_->begin()) {
+        // Nothing was there before; and what is played from here on has every sample once.
+        end_all_but({});
+        cursor_.seek_to(world_->begin());
+        return;
+    }
     const std::vector<KeyedSample> samples = moment(world_, time);
     std::set<std::pair<const bus::RawTopic*, std::string>> alive;
     for (const KeyedSample& one : samples) {
@@ -305,8 +311,10 @@ void Player::advance(std::chrono::nanoseconds time) {
 
 void Player::play() {
     const std::lock_guard lock(mutex_);
-    if (state_.is_at_end || state_.time >= state_.out || state_.time < state_.in)
-        wanted_time_ = state_.in;
+    // From the time that was asked for last, which may not be shown yet.
+    const std::chrono::nanoseconds time = wanted_time_.value_or(state_.time);
+    const bool is_at_end = state_.is_at_end && !wanted_time_ && wanted_steps_ == 0;
+    if (is_at_end || time >= state_.out || time < state_.in) wanted_time_ = state_.in;
     state_.is_playing = true;
     changed_.notify_all();
 }
@@ -329,6 +337,7 @@ void Player::step(int num) {
 void Player::seek(std::chrono::nanoseconds time) {
     const std::lock_guard lock(mutex_);
     wanted_time_ = std::clamp(time, std::chrono::nanoseconds(0), state_.duration);
+    wanted_steps_ = 0;
     is_shown_ = false;
     changed_.notify_all();
 }

@@ -193,12 +193,8 @@ void Recorder::write_until_stopped() {
             done = writer_.write(sample);
             const std::lock_guard lock(mutex_);
             waiting_bytes_ -= sample.cdr.size() + kSampleOverhead;
-            if (done) {
-                ++counters_.num_samples;
-                counters_.num_bytes += sample.cdr.size();
-            } else {
-                drop(*sample.topic);
-            }
+            ++counters_.num_samples;  // unless the writer tells that it lost it
+            counters_.num_bytes += sample.cdr.size();
             samples.pop_front();
         }
         if (!done) {
@@ -225,8 +221,11 @@ void Recorder::write_until_stopped() {
     const std::lock_guard lock(mutex_);
     counters_.file_bytes = writer_.num_bytes();
     counters_.files = writer_.files();
-    counters_.num_samples -= std::min(counters_.num_samples, writer_.num_lost());
-    counters_.num_dropped += writer_.num_lost();
+    for (const auto& [topic, num] : writer_.lost()) {
+        counters_.num_samples -= std::min(counters_.num_samples, num);
+        counters_.num_dropped += num;
+        counters_.dropped[topic] += num;
+    }
     if (!done) {
         for (const Recorded& sample : std::exchange(line_, {})) drop(*sample.topic);
         waiting_bytes_ = 0;

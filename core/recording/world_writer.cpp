@@ -88,7 +88,10 @@ Expected<std::uint16_t> WorldWriter::channel_of(const bus::RawTopic& topic, bus:
 
 Expected<void> WorldWriter::put(const Recorded& sample, Timestamp time) {
     const auto channel = channel_of(*sample.topic, sample.kind);
-    if (!channel) return tl::unexpected(channel.error());
+    if (!channel) {
+        ++not_begun_[std::string(sample.topic->name())];
+        return tl::unexpected(channel.error());
+    }
     const std::size_t lane = is_kept(*sample.topic) ? kKeptLane : kOtherLane;
     out_->write(lane, {*channel, sequences_[*channel]++, time, sample.written, sample.cdr});
     if (!lanes_[lane].since) lanes_[lane].since = std::chrono::steady_clock::now();
@@ -98,7 +101,10 @@ Expected<void> WorldWriter::put(const Recorded& sample, Timestamp time) {
 }
 
 Expected<void> WorldWriter::write(const Recorded& sample) {
-    if (auto cut = cut_if_due(sample.time); !cut) return cut;
+    if (auto cut = cut_if_due(sample.time); !cut) {
+        ++not_begun_[std::string(sample.topic->name())];
+        return cut;
+    }
     if (cuts() && is_kept(*sample.topic)) {
         auto key = sample.topic->key_of({sample.kind, sample.written, sample.cdr});
         if (!key) return {};  // it cannot have come from a reader
@@ -127,10 +133,8 @@ Expected<void> WorldWriter::cut_if_due(Timestamp time) {
     if (!is_full && !is_over) return {};
     if (auto done = finish(); !done) return done;
     const std::uint64_t num_bytes = out_->num_bytes();
-    const std::uint64_t num_lost = out_->num_lost();
     if (auto begun = begin_file(time); !begun) return begun;
     bytes_of_former_ += num_bytes;
-    lost_by_former_ += num_lost;
     for (const auto& [key, sample] : kept_) {
         if (auto done = put(sample, time); !done) return done;
     }
@@ -164,7 +168,16 @@ Expected<void> WorldWriter::flush_due(std::chrono::steady_clock::time_point now)
 
 Expected<void> WorldWriter::finish() { return out_->finish(); }
 
-std::uint64_t WorldWriter::num_lost() const { return lost_by_former_ + out_->num_lost(); }
+// Only the last file can have lost some: the first error ends a recording.
+std::map<std::string, std::uint64_t> WorldWriter::lost() const {
+    std::map<std::string, std::uint64_t> by_topic = not_begun_;
+    for (const auto& [channel, num] : out_->lost()) {
+        if (channel == notes_) continue;
+        const std::string& name = out_->contents().channels.at(channel).topic;
+        by_topic[name.substr(0, name.find('/'))] += num;
+    }
+    return by_topic;
+}
 
 std::uint64_t WorldWriter::num_bytes() const {
     return bytes_of_former_ + (out_ ? out_->num_bytes() : 0);

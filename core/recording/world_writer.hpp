@@ -60,8 +60,9 @@ public:
 
     const std::vector<std::filesystem::path>& files() const { return files_; }
     std::uint64_t num_bytes() const;  // of all files
-    /// Samples that were given to `write` and are in no file: their chunk could not be written.
-    std::uint64_t num_lost() const;
+    /// Samples that were given to `write` and are in no file, because their chunk could not be
+    /// written; by topic.
+    std::map<std::string, std::uint64_t> lost() const;
 
 private:
     explicit WorldWriter(WriterOptions options) : options_(std::move(options)) {}
@@ -80,12 +81,13 @@ private:
     std::vector<std::filesystem::path> files_;
     std::size_t last_number_ = 0;  // in the name of the newest file
     std::uint64_t bytes_of_former_ = 0;
-    std::uint64_t lost_by_former_ = 0;
     std::map<std::string, std::uint16_t, std::less<>> schemas_;
     std::map<std::pair<const bus::RawTopic*, bus::RawKind>, std::uint16_t> channels_;
     std::optional<std::uint16_t> notes_;
     std::map<std::uint16_t, std::uint32_t> sequences_;
     std::vector<Lane> lanes_;
+    std::map<std::string, std::uint64_t>
+        not_begun_;  // samples for which a file had no room, by topic
     void keep(const Recorded& sample, std::string key);
 
     /// The newest sample of each instance that is kept, by topic and key: for the next file.
