@@ -15,7 +15,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kTakePeriod{200};
-constexpr std::chrono::milliseconds kWritePeriod{100};
+constexpr std::chrono::microseconds kBurst{1000};
+constexpr std::chrono::milliseconds kWritePeriod{100};  // earlier if much waits
 constexpr std::chrono::seconds kNotePeriod{1};
 // The memory of a sample besides its bytes.
 constexpr std::uint64_t kSampleOverhead = 128;
@@ -140,11 +141,13 @@ Expected<void> Recorder::run(std::stop_token stop) {
         const std::jthread writing =
             named_thread("write", [this](const std::stop_token&) { write_until_stopped(); });
         while (!stop.stop_requested()) {
-            waiter_.wait(kTakePeriod);
+            // A frame is ten samples that come one after the other: taken at once they cost a
+            // third.
+            if (waiter_.wait(kTakePeriod)) std::this_thread::sleep_for(kBurst);
             take();
             const std::lock_guard lock(mutex_);
             if (!written_) break;
-            if (!line_.empty()) changed_.notify_one();
+            if (waiting_bytes_ > options_.buffer_bytes / 4) changed_.notify_one();
         }
         const std::lock_guard lock(mutex_);
         is_over_ = true;
@@ -184,7 +187,9 @@ void Recorder::write_until_stopped() {
         bool is_last = false;
         {
             std::unique_lock lock(mutex_);
-            changed_.wait_for(lock, kWritePeriod, [&] { return !line_.empty() || is_over_; });
+            changed_.wait_for(lock, kWritePeriod, [&] {
+                return is_over_ || waiting_bytes_ > options_.buffer_bytes / 4;
+            });
             samples = std::exchange(line_, {});
             is_last = is_over_;
         }
