@@ -4,12 +4,9 @@
 #include "core/config/rig.hpp"
 #include "site_node/segmentation/background_file.hpp"
 #include "site_node/views/views_file.hpp"
-
-#include <stdlib.h>
-#include <unistd.h>
+#include "tests/fuzz/file_folder.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -19,44 +16,6 @@ namespace atrium::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder in memory for the one file under test. It vanishes with the process, unless the process
-/// aborts.
-class Folder {
-public:
-    Folder() {
-        std::string name = "/dev/shm/atrium-fuzz-XXXXXX";
-        if (::mkdtemp(name.data()) == nullptr) {
-            std::perror(name.c_str());
-            std::abort();
-        }
-        path_ = name;
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    ~Folder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-
-    const fs::path& path() const { return path_; }
-
-    fs::path write(const char* name, std::span<const std::uint8_t> bytes) const {
-        std::ofstream stream(path_ / name, std::ios::binary);
-        stream.write(reinterpret_cast<const char*>(bytes.data()),
-                     static_cast<std::streamsize>(bytes.size()));
-        if (!stream.flush()) std::abort();
-        return path_ / name;
-    }
-
-private:
-    fs::path path_;
-};
-
-const Folder& folder() {
-    static const Folder instance;
-    return instance;
-}
 
 std::string refusal(const Error& error, ErrorKind expected, const std::string& must_name) {
     if (error.kind != expected) return "another kind of error";

@@ -22,4 +22,8 @@ std::string check_background_bytes(std::span<const std::uint8_t> bytes, bool& wa
 /// followed. The first byte is not part of the file.
 std::string check_raw_bytes(std::span<const std::uint8_t> bytes, bool& was_accepted);
 
+/// A recording (MCAP): opens it, plays it, seeks in it and repairs it. Accepted: it has topics of
+/// Atrium. A chunk or summary whose CRC is 0 has none, so that mutations reach what is behind.
+std::string check_recording_bytes(std::span<const std::uint8_t> bytes, bool& was_accepted);
+
 }  // namespace atrium::test

@@ -18,6 +18,9 @@ TEST(FileFuzzSeeds, KeepTheBackgroundReadersPromises) {
     replay("file_background", check_background_bytes, 1, 3);
 }
 TEST(FileFuzzSeeds, KeepTheRawPictureReadersPromises) { replay("file_raw", check_raw_bytes, 3, 3); }
+TEST(FileFuzzSeeds, KeepTheRecordingReadersPromises) {
+    replay("file_recording", check_recording_bytes, 1, 3);
+}
 
 }  // namespace
 }  // namespace atrium::test
