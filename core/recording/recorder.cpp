@@ -102,8 +102,9 @@ void Recorder::receive(const bus::RawTopic& topic, const bus::RawSample& sample)
 // Textures go before meshes, as their sites write them: a mesh was taken before the textures, thus
 // its textures are among them, or were taken earlier.
 void Recorder::put_in_line() {
-    std::ranges::stable_partition(
-        batch_, [](const Recorded& one) { return one.topic->name() != "SiteMesh"; });
+    std::stable_partition(batch_.begin(), batch_.end(), [](const Recorded& one) {
+        return one.topic->name() != "SiteMesh";
+    });
     const std::lock_guard lock(mutex_);
     for (Recorded& sample : batch_) {
         sample.time = now();
