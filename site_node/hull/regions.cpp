@@ -1,5 +1,7 @@
 #include "site_node/hull/regions.hpp"
 
+#include <utility>
+
 namespace atrium::hull {
 namespace {
 
