@@ -8,7 +8,7 @@ namespace atrium::world_server {
 namespace {
 
 constexpr std::size_t kMeshesAheadPerLane = 8;
-constexpr std::size_t kSamplesAhead = 4096;  // they keep chunks in memory
+constexpr std::size_t kSamplesAhead = 1024;  // they keep chunks in memory
 
 }  // namespace
 
