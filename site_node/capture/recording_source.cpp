@@ -189,7 +189,9 @@ Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
         num_frames_ <= kMaxDecodedBytes / std::max<std::size_t>(bytes_per_frame, 1)) {
         decoded_.assign(num_frames_, std::vector<std::optional<CameraFrame>>(tracks_.size()));
     }
-    const bool recorded_times = options_.rate_hz <= 0.0 && !times_ns_.empty();
+    // without a pace, instants are closer together than the cameras' times within one
+    const bool recorded_times =
+        options_.rate_hz <= 0.0 && !times_ns_.empty() && !options_.as_fast_as_possible;
     const auto offset_of = [&](std::size_t index,
                                std::size_t camera) -> std::optional<std::int64_t> {
         return recorded_times ? times_ns_[index][camera] : std::nullopt;

@@ -53,6 +53,23 @@ TEST_F(Recorder, WritesARecordingThatPlaysTheSamePicturesAtTheSameTimes) {
     EXPECT_THAT(text_of(folder / "recording.toml"), HasSubstr("state = \"complete\""));
 }
 
+// An assembler could not match them: instants are nearer to each other than the cameras' times.
+TEST_F(Recorder, PlaysEachInstantAtOneTimeWithoutAPace) {
+    const fs::path folder = folder_ / "recording";
+    const auto recorder = make_recorder();
+    ASSERT_TRUE(recorder->start(folder));
+    add(*recorder, 0, 5);
+    ASSERT_TRUE(recorder->stop());
+    const auto source =
+        capture::RecordingSource::open({.folder = folder, .as_fast_as_possible = true});
+    ASSERT_TRUE(source);
+    std::vector<Timestamp> times;
+    ASSERT_TRUE((*source)->run(
+        {}, [&](const capture::CameraFrame& f) { times.push_back(f.capture_time); }));
+    ASSERT_EQ(times.size(), 10u);
+    for (std::size_t i = 0; i < 10; i += 2) EXPECT_EQ(times[i], times[i + 1]);
+}
+
 TEST_F(Recorder, KeepsRecordedTimesWithoutTimesCsv) {
     const fs::path folder = folder_ / "recording";
     const auto recorder = make_recorder();
