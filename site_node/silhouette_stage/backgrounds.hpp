@@ -28,9 +28,9 @@ struct BackgroundOptions {
 };
 
 /// Returns the background of each of `cameras`: loaded from `options.folder`, or learned now if it
-/// is not there. A recording may have the rooms with which it was made (`learned_rooms`): they count
-/// as `folder` if none is given, and `from` is "auto". Live cameras learn in parallel. Errors name the camera. Once `stop` is requested,
-/// every camera not yet learned has error kUnavailable.
+/// is not there. A recording may have the rooms with which it was made (`learned_rooms`): they
+/// count as `folder` if none is given, and `from` is "auto". Live cameras learn in parallel. Errors
+/// name the camera. Once `stop` is requested, every camera not yet learned has error kUnavailable.
 std::vector<Expected<segmentation::BackgroundStatistics>> load_or_learn_backgrounds(
     capture::FrameSource& source,
     const std::vector<std::size_t>& cameras,
