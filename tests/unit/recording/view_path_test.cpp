@@ -13,9 +13,9 @@ namespace atrium::recording {
 namespace {
 
 using std::chrono::milliseconds;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class ViewPathFile : public testing::Test {
+class ViewPathFile : public ::testing::Test {
 protected:
     void TearDown() override { std::filesystem::remove(file_); }
     Error error_of(const std::string& text) {
