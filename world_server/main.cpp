@@ -19,7 +19,8 @@ int main(int argc, char** argv) {
             "  world_server --config deploy/worlds/demo.toml\n"
             "  world_server --config deploy/worlds/playroom.toml --network lan\n"
             "  world_server --config deploy/worlds/playroom.toml --recording evening.mcap",
-        .check = [&] { return world_server::check(config); }};
+        .check = [&] { return world_server::check(config); },
+        .check_files = [&] { return world_server::check_recording(config.recording); }};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             world_server::read_world(reader, config);

@@ -38,6 +38,18 @@ CommandRates::Clock::time_point clock_of(Timestamp time) {
     return CommandRates::Clock::time_point(std::chrono::nanoseconds(time.ns));
 }
 
+Expected<std::shared_ptr<const recording::WorldFile>> open_recording(
+    const std::filesystem::path& file) {
+    auto world = recording::WorldFile::open(file);
+    if (world && (*world)->sites().empty()) {
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("{}: the recording has no site, so there are no people for "
+                                      "the world",
+                                      file.string()));
+    }
+    return world;
+}
+
 bool is_of_files(const bus::SceneCommand& command) {
     return command.kind == bus::CommandKind::kSave || command.kind == bus::CommandKind::kRestore;
 }
@@ -195,15 +207,9 @@ RecordedRun::RecordedRun(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 RecordedRun::~RecordedRun() = default;
 
 Expected<std::unique_ptr<RecordedRun>> RecordedRun::create(const WorldServerConfig& given) {
-    auto world = recording::WorldFile::open(given.recording.file);
+    auto world = open_recording(given.recording.file);
     if (!world) return tl::unexpected(world.error());
     const std::string file = given.recording.file.string();
-    if ((*world)->sites().empty()) {
-        return make_error(ErrorKind::kInvalidData,
-                          fmt::format("{}: the recording has no site, so there are no people for "
-                                      "the world",
-                                      file));
-    }
     if (!(*world)->file().fault().empty()) {
         app::log::warn("damaged file={} reason=\"{}\"; all whole chunks are used",
                        file,
@@ -275,6 +281,19 @@ RecordedCounts RecordedRun::counts() const {
 
 double RecordedRun::duration_s() const {
     return static_cast<double>(impl_->num_ticks()) / impl_->config.tick_hz;
+}
+
+Expected<void> check_recording(const RecordingOptions& options) {
+    if (options.file.empty()) return {};
+    const auto world = open_recording(options.file);
+    if (!world) return tl::unexpected(world.error());
+    std::error_code failure;
+    if (!options.output.empty() && std::filesystem::exists(options.output, failure)) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: the file exists; remove it, or give another name",
+                                      options.output.string()));
+    }
+    return {};
 }
 
 Expected<void> run_recorded(const WorldServerConfig& config, std::stop_token stop) {

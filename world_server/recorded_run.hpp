@@ -59,6 +59,9 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
+/// Checks the files of the options, as `create` would. Nothing to check without a recording.
+Expected<void> check_recording(const RecordingOptions& options);
+
 /// Runs it and logs progress and result: the program.
 Expected<void> run_recorded(const WorldServerConfig& config, std::stop_token stop);
 

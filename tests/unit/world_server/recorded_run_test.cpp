@@ -301,6 +301,10 @@ TEST(RecordedRun, SaysWhyARecordingIsOfNoUse) {
     const auto nobody = RecordedRun::create(config_of(empty.file()));
     ASSERT_FALSE(nobody);
     EXPECT_NE(nobody.error().message.find("has no site"), std::string::npos);
+    const auto checked = check_recording(config_of(empty.file()).recording);
+    ASSERT_FALSE(checked);
+    EXPECT_EQ(checked.error().message, nobody.error().message);
+    EXPECT_TRUE(check_recording({}));
 
     // a site, but nothing of it that can be read
     FootRecording silent(file_named("silent"));
