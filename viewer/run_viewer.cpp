@@ -5,7 +5,7 @@
 #include "core/base/looked_up.hpp"
 #include "core/config/spelling.hpp"
 #include "viewer/config/user_files.hpp"
-#include "viewer/playback/film.hpp"
+#include "viewer/film/film.hpp"
 #include "viewer/record/output_files.hpp"
 #include "viewer/start/choose_world.hpp"
 #include "viewer/start/recent_worlds.hpp"

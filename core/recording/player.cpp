@@ -5,6 +5,7 @@
 #include "core/recording/topic_roles.hpp"
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 namespace atrium::recording {
@@ -289,6 +290,20 @@ void Player::run(std::stop_token stop) {
     }
     lock.unlock();
     end_all_but({});
+}
+
+bool Player::wait_for_readers(std::chrono::nanoseconds timeout) const {
+    const Clock::time_point end = Clock::now() + timeout;
+    const auto is_read = [](const auto& output) {
+        const bool is_of_world =
+            output.first->qos_class() == "stream" || is_of_people(*output.first);
+        return !is_of_world || output.second.writer->num_readers() > 0;
+    };
+    while (!std::ranges::all_of(outputs_, is_read)) {
+        if (Clock::now() >= end) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
 }
 
 void Player::show_now(std::chrono::nanoseconds time) {

@@ -66,6 +66,10 @@ public:
     /// from there if `play` was called. Ends all instances when it stops.
     void run(std::stop_token stop);
 
+    /// Blocks until the topics of people and objects that the recording has are read by somebody:
+    /// what is written before is lost to them. False: not within `timeout`.
+    bool wait_for_readers(std::chrono::nanoseconds timeout) const;
+
     /// Without `run`, on the caller's thread, for pictures that are made as slowly as they need:
     /// shows that moment, or writes all samples up to `time` at once.
     void show_now(std::chrono::nanoseconds time);

@@ -5,7 +5,7 @@
 #include "core/bus/names.hpp"
 #include "core/bus/topics.hpp"
 #include "core/bus/wire.hpp"
-#include "tests/fuzz/cdr_type.hpp"
+#include "tests/support/cdr_type.hpp"
 #include "tests/fuzz/wire_input.hpp"
 #include "tests/fuzz/wire_promises.hpp"
 #include "tests/unit/bus/random_messages.hpp"

@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <optional>
+#include <random>
 #include <utility>
 
 namespace atrium::record_tool {
@@ -46,7 +47,8 @@ public:
         const auto is_over = [&] {
             return stop.stop_requested() || state_->state != RoomRecordingState::kRunning ||
                    (config_.seconds > 0.0 &&
-                    std::chrono::duration<double>(RoomClock::now() - begin).count() >= config_.seconds);
+                    std::chrono::duration<double>(RoomClock::now() - begin).count() >=
+                        config_.seconds);
         };
         while (!is_over()) {
             take();
@@ -125,7 +127,8 @@ private:
     bus::Reader<bus::RoomRecording> states_;
     bus::Writer<bus::RoomRecordOrder> orders_;
     std::string sender_;
-    std::uint32_t number_ = 0;
+    // by chance: not that of an earlier program with this process id
+    std::uint32_t number_ = std::random_device()();
     std::optional<bus::RoomRecording> state_;
 };
 

@@ -14,6 +14,12 @@ namespace atrium::viewer {
 
 using std::chrono::nanoseconds;
 
+namespace {
+
+constexpr std::chrono::seconds kMatching{5};
+
+}  // namespace
+
 Expected<std::unique_ptr<Playback>> Playback::open(const std::filesystem::path& file,
                                                    const std::filesystem::path& path,
                                                    bus::BusOptions& options) {
@@ -63,8 +69,11 @@ Expected<void> Playback::start(const bus::Participant& participant, const Record
     player_->seek(from);
     if (!config.paused) player_->play();
     thumbnails_ = std::make_unique<Thumbnails>(world_);
-    playing_ =
-        named_thread("play", [this](std::stop_token stop) { player_->run(std::move(stop)); });
+    // The bus of this process tells writers of their readers a moment after they are made.
+    playing_ = named_thread("play", [this](std::stop_token stop) {
+        static_cast<void>(player_->wait_for_readers(kMatching));
+        player_->run(std::move(stop));
+    });
     return {};
 }
 

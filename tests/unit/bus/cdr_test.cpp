@@ -3,7 +3,7 @@
 #include "core/bus/raw_samples.hpp"
 #include "core/bus/topics.hpp"
 #include "core/bus/wire.hpp"
-#include "tests/fuzz/cdr_type.hpp"
+#include "tests/support/cdr_type.hpp"
 #include "tests/unit/bus/all_messages.hpp"
 #include "tests/unit/bus/random_messages.hpp"
 

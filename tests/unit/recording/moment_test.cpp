@@ -89,7 +89,7 @@ TEST_F(MomentTest, IsWhatAllSamplesBeforeItLeave) {
     }
 }
 
-TEST_F(MomentTest, HasWhatIsKeptFirstAndTexturesBeforeTheirMesh) {
+TEST_F(MomentTest, HasWhatIsKeptFirstAndTexturesBehindTheirMesh) {
     std::vector<Recorded> samples;
     samples.push_back(recorded(description("alice"), at(0.0)));
     samples.push_back(recorded(placement("alice", 1.0), at(0.1)));
@@ -105,9 +105,9 @@ TEST_F(MomentTest, HasWhatIsKeptFirstAndTexturesBeforeTheirMesh) {
     EXPECT_EQ(names,
               (std::vector<std::string>{"SiteDescription",
                                         "SitePlacement",
-                                        "CameraTexture",
-                                        "CameraTexture",
                                         "SiteMesh",
+                                        "CameraTexture",
+                                        "CameraTexture",
                                         "SceneState"}));
     EXPECT_EQ(moment(world, at(12.0)).size(), 2u);  // the streams are over
     EXPECT_TRUE(moment(world, at(-1.0)).empty());

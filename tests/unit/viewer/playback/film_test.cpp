@@ -1,4 +1,4 @@
-#include "viewer/playback/film.hpp"
+#include "viewer/film/film.hpp"
 
 #include "core/recording/view_path.hpp"
 #include "tests/unit/viewer/playback/recorded_site.hpp"

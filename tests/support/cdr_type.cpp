@@ -1,4 +1,4 @@
-#include "tests/fuzz/cdr_type.hpp"
+#include "tests/support/cdr_type.hpp"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "viewer/playback/film.hpp"
+#include "viewer/film/film.hpp"
 
 #include "core/app/log.hpp"
 #include "core/app/progress.hpp"
@@ -29,6 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 // As few samples at once as the bus keeps of each.
 constexpr nanoseconds kAdvance = std::chrono::milliseconds(50);
+constexpr nanoseconds kFilmMatching = std::chrono::seconds(5);
 constexpr nanoseconds kLead = std::chrono::seconds(1);  // of states before the first picture
 
 // The clock of the film, on which people and objects arrive and are shown.
@@ -145,6 +146,8 @@ Expected<void> Film::render(const std::stop_token& stop) {
     if (!video) return tl::unexpected(video.error());
     start_view_.emplace(camera_, config_.wait_people, true);
     time_ = std::max(nanoseconds(0), begin - kLead);
+    if (!player_->wait_for_readers(kFilmMatching))
+        return make_error(ErrorKind::kInternal, "the recording's topics have no readers");
     player_->show_now(time_);
     session_->receive_all();
     show(begin);
