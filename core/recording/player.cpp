@@ -295,9 +295,11 @@ void Player::run(std::stop_token stop) {
 bool Player::wait_for_readers(std::chrono::nanoseconds timeout) const {
     const Clock::time_point end = Clock::now() + timeout;
     const auto is_read = [](const auto& output) {
-        const bool is_of_world =
-            output.first->qos_class() == "stream" || is_of_people(*output.first);
-        return !is_of_world || output.second.writer->num_readers() > 0;
+        const bus::RawTopic& topic = *output.first;
+        // a description reaches those who come later, but the first frame would come before it
+        const bool is_needed = topic.qos_class() == "stream" || is_of_people(topic) ||
+                               topic.name() == "SiteDescription";
+        return !is_needed || output.second.writer->num_readers() > 0;
     };
     while (!std::ranges::all_of(outputs_, is_read)) {
         if (Clock::now() >= end) return false;
