@@ -109,7 +109,10 @@ void Recorder::put_in_line() {
     for (Recorded& sample : batch_) {
         sample.time = now();
         const std::uint64_t size = sample.cdr.size() + kSampleOverhead;
-        if (waiting_bytes_ + size > options_.buffer_bytes || is_over_) {
+        // The last quarter is for what is kept: without it, what follows would show nothing.
+        const std::uint64_t room =
+            options_.buffer_bytes - (is_kept(*sample.topic) ? 0 : options_.buffer_bytes / 4);
+        if (waiting_bytes_ + size > room || is_over_) {
             drop(*sample.topic);
             continue;
         }

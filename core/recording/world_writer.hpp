@@ -56,7 +56,7 @@ public:
     Expected<void> finish();
 
     /// Longest time that a message waits for its chunk: a killed process loses no more.
-    static constexpr std::chrono::milliseconds kFlushAfter{500};
+    static constexpr std::chrono::milliseconds kFlushAfter{400};
 
     const std::vector<std::filesystem::path>& files() const { return files_; }
     std::uint64_t num_bytes() const;  // of all files

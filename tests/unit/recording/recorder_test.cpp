@@ -195,6 +195,25 @@ TEST_F(RecorderTest, CountsWhatItDropsAlsoInTheFile) {
     EXPECT_EQ(recorded_samples().size(), 1u);
 }
 
+// A file without a description would show nothing of its site; one without a mesh lacks a frame.
+TEST_F(RecorderTest, DropsStreamsBeforeDescriptions) {
+    const auto participant = own_world("recorder-kept");
+    Source<bus::SiteDescription> descriptions(participant);
+    Source<bus::SiteMesh> meshes(participant);
+    const Recorded small_one = recorded(description("alice"), kBegin);
+    RecorderOptions small = options();
+    small.buffer_bytes = small_one.cdr.size() + 200;
+    Running recorder(participant, small);
+    bus::SiteMesh same_size = mesh("alice", 1);
+    same_size.draco.assign(small_one.cdr.size() - 100, 7);
+    meshes.write(same_size);
+    ASSERT_TRUE(comes_true([&] { return recorder.counters().num_dropped > 0; }));
+    descriptions.write(description("alice"));
+    ASSERT_TRUE(recorder.has(1));
+    ASSERT_TRUE(recorder.stop());
+    EXPECT_EQ(recorder.counters().dropped, (std::map<std::string, std::uint64_t>{{"SiteMesh", 1}}));
+}
+
 TEST_F(RecorderTest, RecordsOnlyTheSitesThatAreWanted) {
     const auto participant = own_world("recorder-sites");
     Source<bus::SiteDescription> descriptions(participant);
