@@ -37,12 +37,12 @@ Expected<void> wire_of(const dds_topic_descriptor_t& topic,
         cdr[0] != std::byte{0} || (cdr[1] != kBigEndian && cdr[1] != kLittleEndian))
         return make_error(ErrorKind::kInvalidData, "no CDR of version 1");
     const bool swaps = cdr[1] == kBigEndian;
-    // Cyclone checks and swaps in place.
-    std::vector<char> content(cdr.size() - kHeaderBytes);
+    // Cyclone checks and swaps in place. One byte more: it wants a pointer also for no bytes.
+    const auto size = static_cast<std::uint32_t>(cdr.size() - kHeaderBytes);
+    std::vector<char> content(std::size_t{size} + 1);
     std::transform(cdr.begin() + kHeaderBytes, cdr.end(), content.begin(), [](std::byte byte) {
         return static_cast<char>(byte);
     });
-    const auto size = static_cast<std::uint32_t>(content.size());
     std::uint32_t end = 0;
     if (dds_stream_normalize_data(content.data(), &end, size, swaps, kXcdrVersion, topic.m_ops) ==
         nullptr)

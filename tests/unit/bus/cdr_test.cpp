@@ -20,10 +20,13 @@ using testing::Random;
 using testing::random_message;
 using testing::same;
 
-// The wire struct of a message; its sequences belong to this.
+// A message and its wire struct, whose sequences are those of the message.
 template <typename Message>
 struct WireOfMessage {
-    explicit WireOfMessage(const Message& message) { to_wire(message, scratch, wire); }
+    explicit WireOfMessage(Message sample) : message(std::move(sample)) {
+        to_wire(message, scratch, wire);
+    }
+    Message message;
     WireScratch scratch;
     WireOf<Message> wire{};
 };
