@@ -310,8 +310,8 @@ bool Player::wait_for_readers(std::chrono::nanoseconds timeout) const {
 
 void Player::show_now(std::chrono::nanoseconds time) {
     show(absolute(time));
+    advance(time);  // at the very beginning `show` writes nothing
     const std::lock_guard lock(mutex_);
-    state_.time = time;
     wanted_time_.reset();
 }
 

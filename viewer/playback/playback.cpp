@@ -67,7 +67,10 @@ Expected<void> Playback::start(const bus::Participant& participant, const Record
         from, config.to_s > 0.0 ? from_milliseconds(config.to_s * 1e3) : world_->duration());
     player_->set_loop(config.loop);
     player_->seek(from);
-    if (!config.paused) player_->play();
+    if (!config.paused)
+        player_->play();
+    else if (from.count() == 0)
+        player_->step(2);  // the first frame that is surely whole: before it there is nobody
     thumbnails_ = std::make_unique<Thumbnails>(world_);
     // The bus of this process tells writers of their readers a moment after they are made.
     playing_ = named_thread("play", [this](std::stop_token stop) {
