@@ -69,6 +69,12 @@ ATRIUM_INLINE void look_from(const Eigen::Vector3f& eye, std::size_t size, Blend
     }
 }
 
+// Each point has an eye of its own, far away on its normal.
+void look_along_normals(BlendScratch& out) {
+    out.to_eye = out.normals;
+    std::ranges::fill(out.cos_eye, 1.0f);
+}
+
 // Inserts the camera into the sorted lists of smallest penalties.
 ATRIUM_INLINE void consider(const PersonModel::Camera& camera,
                             std::int32_t index,
@@ -144,11 +150,12 @@ ATRIUM_INLINE void weigh(std::size_t size, BlendScratch& out) {
     }
 }
 
+// Without an eye: from the normals.
 ATRIUM_INLINE void choose(const PersonModel& model,
-                          const Eigen::Vector3f& eye_site,
+                          const Eigen::Vector3f* eye_site,
                           BlendScratch& out) {
     const std::size_t size = model.vertices_site.size();
-    look_from(eye_site, size, out);
+    if (eye_site != nullptr) look_from(*eye_site, size, out);
     for (std::size_t c = 0; c < model.cameras.size(); ++c)
         consider(model.cameras[c], static_cast<std::int32_t>(c), size, out);
     weigh(size, out);
@@ -156,7 +163,7 @@ ATRIUM_INLINE void choose(const PersonModel& model,
 
 #ifdef ATRIUM_AVX2
 ATRIUM_AVX2 void choose_avx2(const PersonModel& model,
-                             const Eigen::Vector3f& eye_site,
+                             const Eigen::Vector3f* eye_site,
                              BlendScratch& out) {
     choose(model, eye_site, out);
 }
@@ -214,14 +221,13 @@ void lay_out_any(const PersonModel& model,
            ...);
 }
 
-}  // namespace
-
-void choose_cameras(const PersonModel& model,
-                    const Eigen::Vector3f& eye_site,
-                    BlendScratch& out,
-                    [[maybe_unused]] image::RowCode code) {
+void choose_any(const PersonModel& model,
+                const Eigen::Vector3f* eye_site,
+                BlendScratch& out,
+                [[maybe_unused]] image::RowCode code) {
     assert(model.cameras.size() <= 255);
     prepare(model, out);
+    if (eye_site == nullptr) look_along_normals(out);
 #ifdef ATRIUM_AVX2
     if (code == image::RowCode::kAvx2)
         choose_avx2(model, eye_site, out);
@@ -236,11 +242,20 @@ void choose_cameras(const PersonModel& model,
     }
 }
 
-void blend_for_view(const PersonModel& model,
-                    const Eigen::Vector3f& eye_site,
-                    BlendScratch& scratch,
-                    BlendedMesh& out) {
-    choose_cameras(model, eye_site, scratch);
+bool faces(const PersonModel& model,
+           const std::array<std::uint32_t, 3>& triangle,
+           const Eigen::Vector3f& eye_site) {
+    const Eigen::Vector3f& a = model.vertices_site[triangle[0]];
+    const Eigen::Vector3f normal =
+        (model.vertices_site[triangle[1]] - a).cross(model.vertices_site[triangle[2]] - a);
+    return normal.dot(eye_site - a) > 0.0f;
+}
+
+// Without an eye: all triangles.
+void group_triangles(const PersonModel& model,
+                     const Eigen::Vector3f* eye_site,
+                     const BlendScratch& scratch,
+                     BlendedMesh& out) {
     std::array<const float*, 255> facing_of;
     for (std::size_t c = 0; c < model.cameras.size(); ++c)
         facing_of[c] = model.cameras[c].facing.data();
@@ -250,10 +265,7 @@ void blend_for_view(const PersonModel& model,
     }
     for (std::uint32_t t = 0; t < model.triangles.size(); ++t) {
         const auto& triangle = model.triangles[t];
-        const Eigen::Vector3f& a = model.vertices_site[triangle[0]];
-        const Eigen::Vector3f normal =
-            (model.vertices_site[triangle[1]] - a).cross(model.vertices_site[triangle[2]] - a);
-        if (!(normal.dot(eye_site - a) > 0.0f)) continue;
+        if (eye_site != nullptr && !faces(model, triangle, *eye_site)) continue;
         TriangleCameras used;
         for (std::size_t corner = 0; corner < 3; ++corner) {
             const VertexBlend& blend = scratch.vertices[triangle[corner]];
@@ -275,6 +287,28 @@ void blend_for_view(const PersonModel& model,
                            used.slots.begin(),
                            used.slots.begin() + static_cast<std::ptrdiff_t>(used.count));
     }
+}
+
+}  // namespace
+
+void choose_cameras(const PersonModel& model,
+                    const Eigen::Vector3f& eye_site,
+                    BlendScratch& out,
+                    image::RowCode code) {
+    choose_any(model, &eye_site, out, code);
+}
+
+void blend_for_view(const PersonModel& model,
+                    const Eigen::Vector3f& eye_site,
+                    BlendScratch& scratch,
+                    BlendedMesh& out) {
+    choose_any(model, &eye_site, scratch, image::best_row_code());
+    group_triangles(model, &eye_site, scratch, out);
+}
+
+void blend_for_texture(const PersonModel& model, BlendScratch& scratch, BlendedMesh& out) {
+    choose_any(model, nullptr, scratch, image::best_row_code());
+    group_triangles(model, nullptr, scratch, out);
 }
 
 void lay_out(const PersonModel& model,

@@ -78,6 +78,13 @@ void blend_for_view(const PersonModel& model,
                     BlendScratch& scratch,
                     BlendedMesh& out);
 
+/// Like `blend_for_view`, of all triangles, for a texture that is seen from everywhere: each point
+/// has an eye of its own, far away on its normal.
+void blend_for_texture(const PersonModel& model, BlendScratch& scratch, BlendedMesh& out);
+
+/// Weight of the fallback colour beside those of the cameras, whose sum is at most 1.
+inline constexpr float kFallbackWeight = 0.01f;
+
 /// Floats per vertex: position[3], fallback colour[3], layers[n], then n times (s z, t z, z,
 /// weight).
 constexpr std::size_t floats_per_vertex(std::size_t num_cameras) { return 6 + 5 * num_cameras; }

@@ -1,5 +1,7 @@
 #include "viewer/renderer/person/person_shader_text.hpp"
 
+#include "viewer/renderer/person/camera_blend.hpp"
+
 #include <algorithm>
 
 namespace atrium::renderer::shaders {
@@ -63,7 +65,8 @@ std::string person_fragment(std::size_t num_cameras) {
     text += for_each_slot(num_cameras, "in vec4 in_picture#;");
     // texels hold colour times mask, so the division gives a colour of the person alone; the
     // fallback takes over smoothly where weights and masks are nearly 0
-    text += "void main() {\n    vec4 sum = vec4(fallback_colour, 1.0) * 0.01;\n";
+    text += "void main() {\n    vec4 sum = vec4(fallback_colour, 1.0) * " +
+            std::to_string(kFallbackWeight) + ";\n";
     for (std::size_t i = 0; i < num_cameras; ++i) {
         const std::string slot = std::to_string(i);
         const std::size_t first = i - i % kLayersPerAttribute;
