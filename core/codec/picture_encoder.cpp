@@ -26,10 +26,9 @@ struct PictureEncoder::State {
 PictureEncoder::PictureEncoder() : state_(std::make_unique<State>()) {}
 PictureEncoder::~PictureEncoder() = default;
 
-Expected<std::span<const std::uint8_t>> PictureEncoder::encode(std::span<const std::uint8_t> rgba,
-                                                               int width,
-                                                               int height,
-                                                               int quality) {
+Expected<std::span<const std::uint8_t>> PictureEncoder::encode(
+    std::span<const std::uint8_t> rgba, int width, int height, int quality, Chroma chroma) {
+    const int sampling = chroma == Chroma::kFull ? TJSAMP_444 : TJSAMP_420;
     constexpr std::size_t kBytesPerPixel = 4;
     if (width <= 0 || height <= 0 ||
         rgba.size() !=
@@ -40,7 +39,7 @@ Expected<std::span<const std::uint8_t>> PictureEncoder::encode(std::span<const s
     }
     if (state_->encoder == nullptr)
         return make_error(ErrorKind::kInternal, "JPEG encoder: out of memory");
-    unsigned long bytes = tjBufSize(width, height, TJSAMP_420);
+    unsigned long bytes = tjBufSize(width, height, sampling);
     state_->jpeg.resize(std::max<std::size_t>(state_->jpeg.size(), bytes));
     unsigned char* to = state_->jpeg.data();
     if (tjCompress2(state_->encoder,
@@ -51,7 +50,7 @@ Expected<std::span<const std::uint8_t>> PictureEncoder::encode(std::span<const s
                     TJPF_RGBA,
                     &to,
                     &bytes,
-                    TJSAMP_420,
+                    sampling,
                     quality,
                     TJFLAG_NOREALLOC) != 0) {
         return make_error(ErrorKind::kInternal,

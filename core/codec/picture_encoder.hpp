@@ -8,8 +8,14 @@
 
 namespace atrium::codec {
 
-/// Encodes whole pictures as baseline JPEG, 4:2:0, with TurboJPEG, for display. For the textures of
-/// people use TextureEncoder. Reuses its memory; use one per thread.
+/// Resolution of the colours beside that of the brightness.
+enum class Chroma : std::uint8_t {
+    kHalf,  // 4:2:0
+    kFull   // 4:4:4
+};
+
+/// Encodes whole pictures as baseline JPEG with TurboJPEG, for display. For the textures of people
+/// use TextureEncoder. Reuses its memory; use one per thread.
 class PictureEncoder {
 public:
     PictureEncoder();
@@ -24,7 +30,8 @@ public:
     Expected<std::span<const std::uint8_t>> encode(std::span<const std::uint8_t> rgba,
                                                    int width,
                                                    int height,
-                                                   int quality);
+                                                   int quality,
+                                                   Chroma chroma = Chroma::kHalf);
 
 private:
     struct State;
