@@ -44,7 +44,7 @@ tl::unexpected<Error> unknown_command(const std::string& name, const fs::path& f
 }  // namespace
 
 std::span<const Command> shipped_commands() {
-    static const std::array<Command, 17> commands{
+    static const std::array<Command, 18> commands{
         {{"site", "capture a room and publish the people in it"},
          {"camera", "run the cameras of one host of a room on several hosts"},
          {"world", "run the physics of a world"},
@@ -53,6 +53,7 @@ std::span<const Command> shipped_commands() {
          {"monitor", "show the programs of a world: rates, latencies, losses"},
          {"record", "record a world into a file"},
          {"play", "play a recorded world for viewers, monitors and world servers"},
+         {"export", "export recorded people for Blender and other programs"},
          {"calibrate", "make rig.toml, or a recording, from the calibration of another program"},
          {"cameras", "offer a simulated room or a recording as GigE Vision cameras"},
          {"plan", "say which host of a site does what, and whether it can"},
