@@ -70,6 +70,9 @@ TEST_F(CommandLine, EveryProgramPrintsHelpAndVersion) {
                                       "demo",
                                       "doctor",
                                       "monitor",
+                                      "record",
+                                      "play",
+                                      "export",
                                       "simulated_cameras"}) {
         const Outcome help = run(program + " --help");
         EXPECT_EQ(help.exit_code, 0) << program;
@@ -84,7 +87,8 @@ TEST_F(CommandLine, EveryProgramPrintsHelpAndVersion) {
 }
 
 TEST_F(CommandLine, FrontCommandRunsEveryTool) {
-    for (const std::string command : {"demo", "monitor", "plan", "cameras", "hull", "doctor"}) {
+    for (const std::string command :
+         {"demo", "monitor", "record", "play", "export", "plan", "cameras", "hull", "doctor"}) {
         const Outcome help = run("atrium help " + command);
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_THAT(help.output, HasSubstr("--version")) << command;
