@@ -313,7 +313,8 @@ Expected<void> run_export(const ExportConfig& config, std::stop_token stop) {
         seconds / num_frames,
         source->num_left_out(),
         counts.refused + source->num_refused(),
-        written->files.front().string());
+        // several .glb have numbers in their names
+        (config.output.extension() == ".glb" ? written->files.front() : config.output).string());
     return {};
 }
 
