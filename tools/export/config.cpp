@@ -40,8 +40,8 @@ void declare(ExportConfig& config, config::OptionSet& options) {
     options.add("format",
                 config.format,
                 "glb, usd, obj (with material and picture), ply (a colour per vertex), points "
-                "(a point cloud as .ply); empty: by the ending",
-                {"", "glb", "usd", "obj", "ply", "points"});
+                "(a point cloud as .ply); auto: by the ending",
+                {"auto", "glb", "usd", "obj", "ply", "points"});
     options.add("from", config.from_s, "begin here [s]", {0, 1e9});
     options.add("to", config.to_s, "end here [s]; 0: at the end", {0, 1e9});
     options.add("every", config.every, "only each n-th frame", {1, 100'000});
@@ -51,6 +51,12 @@ void declare(ExportConfig& config, config::OptionSet& options) {
                 {"site", "world"});
     options.add(
         "path", config.path, "a camera path of the viewer (PATH.json), as a camera in the .glb");
+    options.add(
+        "eye",
+        config.eye,
+        "for whom the colours are blended: seen from in front of each point of the surface, "
+        "or by the camera of --path, whose shot then looks as in the viewer",
+        {"normals", "path"});
     options.add("quality", config.quality, "quality of the JPEG pictures", {1, 100});
     options.add("draco", config.draco, "compress the meshes of .glb by Draco");
     options.add("chunk_mb",
@@ -67,7 +73,7 @@ void declare(ExportConfig& config, config::OptionSet& options) {
 
 Expected<std::string> format_of(const ExportConfig& config) {
     const std::string ending = config.output.extension().string();
-    if (!config.format.empty()) {
+    if (config.format != "auto") {
         const Format& format = format_named(config.format);
         const bool is_other = std::ranges::any_of(
             kFormats, [&](const Format& other) { return ending == other.ending; });
@@ -112,8 +118,10 @@ Expected<void> check(const ExportConfig& config) {
                         config.output.string(),
                         *format));
     }
-    if (!config.path.empty() && *format != "glb")
-        return wrong_option("path: only .glb files have cameras");
+    if (config.eye == "path" && config.path.empty())
+        return wrong_option("eye: 'path' needs --path PATH.json");
+    if (!config.path.empty() && *format != "glb" && config.eye != "path")
+        return wrong_option("path: only .glb files have cameras; others take it with --eye path");
     return {};
 }
 

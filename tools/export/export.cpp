@@ -35,6 +35,7 @@ struct Plan {
     Selection selection;
     Survey survey;
     std::size_t num_frames = 0;
+    std::optional<CameraPath> camera;  // a key per frame
     std::unique_ptr<FrameWriter> writer;
 };
 
@@ -70,6 +71,7 @@ ExportFacts facts_of(const ExportConfig& config,
     const auto begin =
         static_cast<std::time_t>(plan.survey.frames.front().capture_time.ns / 1'000'000'000);
     facts.begin_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(begin));
+    facts.colours_for = config.eye == "path" ? "camera path" : "surface normals";
     facts.generator = "Atrium " + app::version();
     return facts;
 }
@@ -100,15 +102,13 @@ Expected<std::unique_ptr<FrameWriter>> writer_of(const ExportConfig& config,
     if (!format) return tl::unexpected(format.error());
     const ExportFacts facts = facts_of(config, world, plan);
     if (*format == "glb") {
-        auto path = camera_path_of(config, world, plan.survey);
-        if (!path) return tl::unexpected(path.error());
         return make_glb_writer({config.output,
                                 config.draco,
                                 config.quality,
                                 std::uint64_t{config.chunk_mb} * 1'000'000,
                                 config.chunk_frames},
                                facts,
-                               *path);
+                               plan.camera);
     }
     if (*format == "usd") {
         return make_usd_writer(
@@ -152,6 +152,9 @@ Expected<Plan> make_plan(const ExportConfig& config,
                         config.file.string(),
                         plan.selection.site));
     }
+    auto camera = camera_path_of(config, *world, plan.survey);
+    if (!camera) return tl::unexpected(camera.error());
+    plan.camera = std::move(*camera);
     auto writer = writer_of(config, *world, plan);
     if (!writer) return tl::unexpected(writer.error());
     plan.writer = std::move(*writer);
@@ -164,7 +167,7 @@ struct Scratch {
     renderer::PersonModel model;
 };
 Expected<EncodedFrame> encode_frame(const ExportConfig& config,
-                                    const FrameWriter& writer,
+                                    const Plan& plan,
                                     const recording::SiteFrame& frame,
                                     const FrameTime& time,
                                     Scratch& scratch) {
@@ -183,7 +186,13 @@ Expected<EncodedFrame> encode_frame(const ExportConfig& config,
     if (frame.placement) world_from_site = frame.placement->world_from_site;
     if (config.frame == "world" && !world_from_site)
         return make_error(ErrorKind::kInvalidData, "the site has no place in the world");
-    return writer.encode(scratch.model, frame_from_site(config, world_from_site), time);
+    PosedPerson person{scratch.model, frame_from_site(config, world_from_site), {}};
+    if (config.eye == "path") {
+        const CameraKey& key = plan.camera->keys[time.number - 1];
+        person.eye_site =
+            (person.frame_from_site.inverse() * key.frame_from_camera.translation).cast<float>();
+    }
+    return plan.writer->encode(person, time);
 }
 
 struct Counts {
@@ -232,7 +241,7 @@ private:
         workers_.submit(
             [this, time, frame = std::make_shared<recording::SiteFrame>(std::move(frame))](
                 std::size_t worker) {
-                return encode_frame(config_, *plan_.writer, *frame, time, scratches_[worker]);
+                return encode_frame(config_, plan_, *frame, time, scratches_[worker]);
             });
     }
     Expected<void> take() {

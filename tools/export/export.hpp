@@ -14,10 +14,11 @@ namespace atrium::exporting {
 struct ExportConfig {
     std::filesystem::path file;
     std::filesystem::path output;
-    std::string site;    // empty: the only one
-    std::string format;  // empty: by the ending of `output`
+    std::string site;             // empty: the only one
+    std::string format = "auto";  // by the ending of `output`
     std::string frame = "site";
-    std::filesystem::path path;  // of a camera, for glTF
+    std::filesystem::path path;  // of a camera
+    std::string eye = "normals";
     double from_s = 0.0;
     double to_s = 0.0;  // 0: the end
     std::uint32_t every = 1;

@@ -41,8 +41,8 @@ Expected<Survey> nothing_there(const std::shared_ptr<const recording::WorldFile>
                                       source->num_left_out()));
     }
     return make_error(ErrorKind::kConfiguration,
-                      fmt::format("no frame of site '{}' from {:.1f} to {:.1f} s: {} has frames of "
-                                  "it from {:.1f} to {:.1f} s",
+                      fmt::format("no frame of site '{}' from {:.2f} to {:.2f} s: {} has frames of "
+                                  "it from {:.2f} to {:.2f} s",
                                   selection.site,
                                   seconds(selection.begin - world->begin()),
                                   seconds(selection.end - world->begin()),

@@ -55,7 +55,13 @@ double off_surface_m(const Eigen::Vector3d& p) {
 }
 
 ExportFacts facts() {
-    return {"ball", "site ball", 20.0, "a \"b\".mcap", "2023-11-14T22:13:20Z", "Atrium test"};
+    return {"ball",
+            "site ball",
+            20.0,
+            "a \"b\".mcap",
+            "2023-11-14T22:13:20Z",
+            "surface normals",
+            "Atrium test"};
 }
 
 FrameTime frame_time(std::size_t number) {

@@ -155,5 +155,27 @@ TEST(BlendForTexture, TakesTheCameraInFrontOfEachPoint) {
     EXPECT_GT(count, 100);
 }
 
+TEST(SurfaceColours, AreForAnEyeWhereItSeesTheSurface) {
+    const renderer::PersonModel model = testing::ball_model();
+    const Eigen::Vector3f eye(-4.0f, 1.5f, 1.6f);
+    const SurfaceColours of_normals(model);
+    const SurfaceColours of_eye(model, eye);
+    renderer::BlendScratch scratch;
+    renderer::BlendedMesh seen;
+    renderer::blend_for_view(model, eye, scratch, seen);
+    std::vector<std::uint8_t> is_seen(model.triangles.size(), 0);
+    for (const auto& group : seen.groups) {
+        for (const std::uint32_t t : group.triangles) is_seen[t] = 1;
+    }
+    std::size_t num_other = 0;
+    const Eigen::Vector3f centre = Eigen::Vector3f::Constant(1.0f / 3.0f);
+    for (std::uint32_t t = 0; t < model.triangles.size(); ++t) {
+        const bool is_same = of_normals.of(t).at(centre) == of_eye.of(t).at(centre);
+        num_other += !is_same;
+        EXPECT_TRUE(is_same || is_seen[t] != 0) << t;
+    }
+    EXPECT_GT(num_other, model.triangles.size() / 10);
+}
+
 }  // namespace
 }  // namespace atrium::exporting

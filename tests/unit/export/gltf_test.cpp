@@ -127,7 +127,8 @@ std::vector<std::string> shown_at(const Glb& glb, double time_s) {
 Written write_frames(FrameWriter& writer, int num_frames) {
     const renderer::PersonModel model = testing::ball_model(8);
     for (int i = 1; i <= num_frames; ++i) {
-        auto frame = writer.encode(model, {}, testing::frame_time(static_cast<std::size_t>(i)));
+        auto frame =
+            writer.encode({model, {}, {}}, testing::frame_time(static_cast<std::size_t>(i)));
         EXPECT_TRUE(frame) << frame.error().message;
         const auto added = writer.add(std::move(*frame));
         EXPECT_TRUE(added) << added.error().message;
@@ -240,7 +241,7 @@ TEST(GlbWriter, BeginsAnotherFileWhenOneIsFull) {
 TEST(GlbWriter, LeavesNothingWithoutItsEnd) {
     const test::TemporaryFolder folder;
     auto writer = make_glb_writer({folder / "a.glb"}, testing::facts(), std::nullopt);
-    auto frame = writer->encode(testing::ball_model(6), {}, testing::frame_time(1));
+    auto frame = writer->encode({testing::ball_model(6), {}, {}}, testing::frame_time(1));
     ASSERT_TRUE(frame);
     ASSERT_TRUE(writer->add(std::move(*frame)));
     writer.reset();
@@ -276,9 +277,9 @@ TEST(GlbWriter, KeepsAFrameWithoutAnybody) {
     const test::TemporaryFolder folder;
     auto writer = make_glb_writer({folder / "a.glb"}, testing::facts(), std::nullopt);
     for (std::size_t number = 1; number <= 2; ++number) {
-        auto frame = writer->encode(number == 1 ? testing::ball_model(6) : renderer::PersonModel{},
-                                    {},
-                                    testing::frame_time(number));
+        auto frame =
+            writer->encode({number == 1 ? testing::ball_model(6) : renderer::PersonModel{}, {}, {}},
+                           testing::frame_time(number));
         ASSERT_TRUE(frame) << frame.error().message;
         ASSERT_TRUE(writer->add(std::move(*frame)));
     }

@@ -24,7 +24,7 @@ geometry::RigidTransform five_metres_along_x() {
 void write_two_frames(FrameWriter& writer) {
     const renderer::PersonModel model = testing::ball_model(8);
     for (std::size_t number : {1U, 2U}) {
-        auto frame = writer.encode(model, five_metres_along_x(), testing::frame_time(number));
+        auto frame = writer.encode({model, five_metres_along_x(), {}}, testing::frame_time(number));
         ASSERT_TRUE(frame) << frame.error().message;
         const auto added = writer.add(std::move(*frame));
         ASSERT_TRUE(added) << added.error().message;
@@ -45,6 +45,7 @@ void expect_facts(const std::string& text) {
                              "frame: 2",
                              "time_s: 0.05",
                              "recording_s: 2.05",
+                             "colours_for: surface normals",
                              "capture_time_ns: 1700000000050000000"})
         EXPECT_NE(text.find(fact), std::string::npos) << fact;
 }
@@ -86,7 +87,7 @@ TEST(ObjWriter, KeepsPositionsSharedAcrossCharts) {
     options.is_single = true;
     auto writer = make_obj_writer(options, testing::facts());
     const renderer::PersonModel model = testing::ball_model(8);
-    auto frame = writer->encode(model, {}, testing::frame_time(1));
+    auto frame = writer->encode({model, {}, {}}, testing::frame_time(1));
     ASSERT_TRUE(frame);
     ASSERT_TRUE(writer->add(std::move(*frame)));
     EXPECT_EQ(testing::names_in(folder / ""),
@@ -171,7 +172,7 @@ TEST(PointsWriter, WritesPointsWithNormalsAndColours) {
     auto writer = make_points_writer(options, testing::facts());
     const Eigen::AngleAxisd turn(1.0, Eigen::Vector3d::UnitZ());
     const geometry::RigidTransform turned{Eigen::Quaterniond(turn), {0, 0, 0}};
-    auto frame = writer->encode(testing::ball_model(8), turned, testing::frame_time(2));
+    auto frame = writer->encode({testing::ball_model(8), turned, {}}, testing::frame_time(2));
     ASSERT_TRUE(frame);
     ASSERT_TRUE(writer->add(std::move(*frame)));
     expect_facts(text_of(folder / "ball_000002.ply"));
@@ -198,7 +199,7 @@ TEST(NumberedWriters, WriteAFrameWithoutAnybody) {
     options.num_points = 10;
     for (auto make : {make_obj_writer, make_ply_writer, make_points_writer}) {
         auto writer = make(options, testing::facts());
-        auto frame = writer->encode({}, {}, testing::frame_time(1));
+        auto frame = writer->encode({renderer::PersonModel{}, {}, {}}, testing::frame_time(1));
         ASSERT_TRUE(frame) << frame.error().message;
         ASSERT_TRUE(writer->add(std::move(*frame)));
     }

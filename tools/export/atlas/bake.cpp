@@ -48,14 +48,16 @@ Eigen::Vector3f pulled_inside(const Eigen::Vector3f& shares) {
     return positive / positive.sum();
 }
 
-void paint(const renderer::PersonModel& model, const Atlas& atlas, Picture& picture) {
+void paint(const renderer::PersonModel& model,
+           const Atlas& atlas,
+           const SurfaceColours& surface,
+           Picture& picture) {
     picture.width = atlas.packing.size.x();
     picture.height = atlas.packing.size.y();
     const std::size_t num_texels =
         static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
     picture.rgba.assign(4 * num_texels, 0);
     std::vector<std::uint8_t> is_known(num_texels, 0);
-    const SurfaceColours surface(model);
     const auto paint_triangle = [&](std::uint32_t t, float margin) {
         const TriangleColours colours = surface.of(t);
         for_texels_inside(
@@ -110,21 +112,21 @@ void add_vertices(const renderer::PersonModel& model, const Atlas& atlas, Textur
 
 }  // namespace
 
-TexturedMesh bake(const renderer::PersonModel& model) {
+TexturedMesh bake(const renderer::PersonModel& model, const Eye& eye_site) {
     TexturedMesh out;
     if (model.triangles.empty()) return out;
     const Atlas atlas = make_atlas(model);
     out.positions = model.vertices_site;
     add_vertices(model, atlas, out);
-    paint(model, atlas, out.texture);
+    paint(model, atlas, SurfaceColours(model, eye_site), out.texture);
     return out;
 }
 
-ColouredMesh colour_vertices(const renderer::PersonModel& model) {
-    return {model.vertices_site, SurfaceColours(model).at_vertices(), model.triangles};
+ColouredMesh colour_vertices(const renderer::PersonModel& model, const Eye& eye_site) {
+    return {model.vertices_site, SurfaceColours(model, eye_site).at_vertices(), model.triangles};
 }
 
-PointCloud sample(const renderer::PersonModel& model, std::size_t count) {
+PointCloud sample(const renderer::PersonModel& model, std::size_t count, const Eye& eye_site) {
     PointCloud out;
     std::vector<double> area_to;  // of the triangles up to each one
     double area = 0.0;
@@ -135,7 +137,7 @@ PointCloud sample(const renderer::PersonModel& model, std::size_t count) {
         area_to.push_back(area);
     }
     if (!(area > 0.0)) return out;
-    const SurfaceColours surface(model);
+    const SurfaceColours surface(model, eye_site);
     std::uint32_t t = 0;
     TriangleColours colours = surface.of(t);
     for (std::size_t i = 0; i < count; ++i) {

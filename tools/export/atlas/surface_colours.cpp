@@ -48,13 +48,18 @@ Eigen::Vector3f TriangleColours::at(const Eigen::Vector3f& shares) const {
     return (sum.head<3>() / sum.w()).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
-SurfaceColours::SurfaceColours(const renderer::PersonModel& model) : model_(model) {
+SurfaceColours::SurfaceColours(const renderer::PersonModel& model,
+                               const std::optional<Eigen::Vector3f>& eye_site)
+    : model_(model) {
     renderer::BlendScratch scratch;
-    renderer::blend_for_texture(model, scratch, blended_);
+    renderer::blend_for_texture(model, scratch, blended_[0]);
+    if (eye_site) renderer::blend_for_view(model, *eye_site, scratch, blended_[1]);
     places_.resize(model.triangles.size());
-    for (std::uint32_t g = 0; g < blended_.groups.size(); ++g) {
-        const auto& triangles = blended_.groups[g].triangles;
-        for (std::uint32_t i = 0; i < triangles.size(); ++i) places_[triangles[i]] = {g, i};
+    for (std::uint32_t b = 0; b < blended_.size(); ++b) {
+        for (std::uint32_t g = 0; g < blended_[b].groups.size(); ++g) {
+            const auto& triangles = blended_[b].groups[g].triangles;
+            for (std::uint32_t i = 0; i < triangles.size(); ++i) places_[triangles[i]] = {b, g, i};
+        }
     }
 }
 
@@ -70,7 +75,7 @@ TriangleColours SurfaceColours::of(std::uint32_t triangle) const {
     for (std::size_t i = 0; i < 3; ++i) result.fallback_[i] = model_.fallback[corners[i]];
     for (std::size_t k = 0; k < num_slots; ++k) {
         const renderer::BlendSlot& slot =
-            blended_.groups[place.group].slots[place.index * num_slots + k];
+            blended_[place.blended].groups[place.group].slots[place.index * num_slots + k];
         if (std::ranges::all_of(slot.weights, [](float weight) { return weight <= 0.0f; }))
             continue;
         TriangleColours::Slot& out = result.slots_[result.num_slots_++];

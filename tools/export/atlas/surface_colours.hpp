@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace atrium::exporting {
@@ -32,11 +33,13 @@ private:
     int height_ = 0;
 };
 
-/// The colours of a person's surface as the viewer blends them (`renderer::blend_for_texture`).
-/// Refers to the model. Deterministic.
+/// The colours of a person's surface as the viewer blends them: seen along its normals
+/// (`renderer::blend_for_texture`), or, what faces `eye_site`, as seen from there. Refers to the
+/// model. Deterministic.
 class SurfaceColours {
 public:
-    explicit SurfaceColours(const renderer::PersonModel& model);
+    explicit SurfaceColours(const renderer::PersonModel& model,
+                            const std::optional<Eigen::Vector3f>& eye_site = std::nullopt);
 
     TriangleColours of(std::uint32_t triangle) const;
     /// Per vertex of the model: the mean over its triangles.
@@ -44,12 +47,13 @@ public:
 
 private:
     const renderer::PersonModel& model_;
-    renderer::BlendedMesh blended_;
+    std::array<renderer::BlendedMesh, 2> blended_;  // along the normals, for the eye
     struct Place {
+        std::uint32_t blended = 0;
         std::uint32_t group = 0;
         std::uint32_t index = 0;
     };
-    std::vector<Place> places_;  // per triangle, in `blended_`
+    std::vector<Place> places_;  // per triangle
 };
 
 }  // namespace atrium::exporting

@@ -20,6 +20,7 @@ struct ExportFacts {
     double rate_hz = 0.0;            // of the frames, the median
     std::string source;              // the recording
     std::string begin_utc;           // when the first frame was captured
+    std::string colours_for;         // "surface normals" or "camera path"
     std::string generator;           // "Atrium 0.1.0"
 };
 

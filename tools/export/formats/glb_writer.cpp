@@ -58,14 +58,12 @@ public:
         begin_file();
     }
 
-    Expected<EncodedFrame> encode(const renderer::PersonModel& model,
-                                  const geometry::RigidTransform& frame_from_site,
-                                  const FrameTime& time) const override {
+    Expected<EncodedFrame> encode(const PosedPerson& person, const FrameTime& time) const override {
         EncodedFrame frame;
         frame.time = time;
-        TexturedMesh baked = bake(model);
+        TexturedMesh baked = bake(person.model, person.eye_site);
         if (baked.triangles.empty()) return frame;
-        place(frame_from_site, baked.positions);
+        place(person.frame_from_site, baked.positions);
         codec::TexturedTriangles mesh;
         for (const std::uint32_t position : baked.position_of)
             mesh.positions.push_back(baked.positions[position]);
@@ -134,7 +132,8 @@ private:
                                    {"axes", "right-handed, +Y up"},
                                    {"rate_hz", facts_.rate_hz},
                                    {"source", facts_.source},
-                                   {"begin_utc", facts_.begin_utc}};
+                                   {"begin_utc", facts_.begin_utc},
+                                   {"colours_for", facts_.colours_for}};
         json["scene"] = 0;
         json["scenes"] = Json::array({{{"nodes", {0}}}});
         json["nodes"] = Json::array({{{"name", facts_.site}, {"rotation", kUpright}}});

@@ -25,7 +25,7 @@ std::string facts_text(const ExportFacts& facts, const FrameTime& time, const ch
     return fmt::format(
         "{0}{1}\n{0}frame_of_reference: {2}\n{0}units: m\n{0}axes: {3}\n{0}rate_hz: {4:g}\n"
         "{0}frame: {5}\n{0}time_s: {6:.6f}\n{0}recording_s: {7:.6f}\n{0}capture_time_ns: {8}\n"
-        "{0}source: {9}\n",
+        "{0}source: {9}\n{0}colours_for: {10}\n",
         mark,
         facts.generator,
         facts.frame_of_reference,
@@ -35,7 +35,8 @@ std::string facts_text(const ExportFacts& facts, const FrameTime& time, const ch
         time.time_s,
         time.recording_s,
         time.capture_time.ns,
-        facts.source);
+        facts.source,
+        facts.colours_for);
 }
 
 std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
@@ -82,15 +83,13 @@ class ObjWriter final : public NumberedWriter {
 public:
     using NumberedWriter::NumberedWriter;
 
-    Expected<EncodedFrame> encode(const renderer::PersonModel& model,
-                                  const geometry::RigidTransform& frame_from_site,
-                                  const FrameTime& time) const override {
+    Expected<EncodedFrame> encode(const PosedPerson& person, const FrameTime& time) const override {
         EncodedFrame frame;
         frame.time = time;
-        TexturedMesh baked = bake(model);
+        TexturedMesh baked = bake(person.model, person.eye_site);
         std::string text = facts_text(facts(), time, "# ");
         if (!baked.triangles.empty()) {
-            place(frame_from_site, baked.positions);
+            place(person.frame_from_site, baked.positions);
             write_mesh(baked, name(time), text);
             auto jpeg = texture_bytes(baked.texture, options().jpeg_quality);
             if (!jpeg) return tl::unexpected(jpeg.error());
@@ -154,13 +153,11 @@ class PlyWriter final : public NumberedWriter {
 public:
     using NumberedWriter::NumberedWriter;
 
-    Expected<EncodedFrame> encode(const renderer::PersonModel& model,
-                                  const geometry::RigidTransform& frame_from_site,
-                                  const FrameTime& time) const override {
+    Expected<EncodedFrame> encode(const PosedPerson& person, const FrameTime& time) const override {
         EncodedFrame frame;
         frame.time = time;
-        ColouredMesh mesh = colour_vertices(model);
-        place(frame_from_site, mesh.positions);
+        ColouredMesh mesh = colour_vertices(person.model, person.eye_site);
+        place(person.frame_from_site, mesh.positions);
         frame.mesh = bytes_of(
             fmt::format("ply\nformat binary_little_endian 1.0\n{}element vertex {}\n{}{}"
                         "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
@@ -190,14 +187,13 @@ class PointsWriter final : public NumberedWriter {
 public:
     using NumberedWriter::NumberedWriter;
 
-    Expected<EncodedFrame> encode(const renderer::PersonModel& model,
-                                  const geometry::RigidTransform& frame_from_site,
-                                  const FrameTime& time) const override {
+    Expected<EncodedFrame> encode(const PosedPerson& person, const FrameTime& time) const override {
         EncodedFrame frame;
         frame.time = time;
-        PointCloud cloud = sample(model, options().num_points);
-        place(frame_from_site, cloud.positions);
-        const Eigen::Matrix3f turn = frame_from_site.rotation.toRotationMatrix().cast<float>();
+        PointCloud cloud = sample(person.model, options().num_points, person.eye_site);
+        place(person.frame_from_site, cloud.positions);
+        const Eigen::Matrix3f turn =
+            person.frame_from_site.rotation.toRotationMatrix().cast<float>();
         frame.mesh =
             bytes_of(fmt::format("ply\nformat binary_little_endian 1.0\n{}element vertex {}\n{}"
                                  "property float nx\nproperty float ny\nproperty float nz\n{}"

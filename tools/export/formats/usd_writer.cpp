@@ -143,14 +143,20 @@ public:
           site_(prim_name(facts_.site)),
           textures_(options_.file.stem().string() + "_textures") {}
 
-    Expected<EncodedFrame> encode(const renderer::PersonModel& model,
-                                  const geometry::RigidTransform& frame_from_site,
-                                  const FrameTime& time) const override {
+    ~UsdWriter() override {
+        if (is_whole_) return;
+        std::error_code ignored;
+        for (const fs::path& picture : written_.files) fs::remove(picture, ignored);
+        // only if nothing else is in it
+        fs::remove(options_.file.parent_path() / textures_, ignored);
+    }
+
+    Expected<EncodedFrame> encode(const PosedPerson& person, const FrameTime& time) const override {
         EncodedFrame frame;
         frame.time = time;
-        TexturedMesh baked = bake(model);
+        TexturedMesh baked = bake(person.model, person.eye_site);
         if (baked.triangles.empty()) return frame;
-        place(frame_from_site, baked.positions);
+        place(person.frame_from_site, baked.positions);
         std::string text;
         write_mesh(baked, text);
         text += material_text(fmt::format("/{}/{}", site_, frame_name(time)),
@@ -181,6 +187,7 @@ public:
         }
         if (auto done = out_->write("}\n"); !done) return tl::unexpected(done.error());
         if (auto done = out_->commit(); !done) return tl::unexpected(done.error());
+        is_whole_ = true;
         written_.bytes += out_->num_bytes();
         written_.files.insert(written_.files.begin(), options_.file);
         return written_;
@@ -208,6 +215,7 @@ private:
     customLayerData = {{
         string axes = "{0}"
         string begin_utc = {1}
+        string colours_for = {8}
         string frame_of_reference = {2}
         string generator = {3}
         double rate_hz = {4:.6g}
@@ -235,7 +243,8 @@ def Xform "{6}" (
                                        facts_.rate_hz,
                                        usd_string(facts_.source),
                                        site_,
-                                       code(options_.end_s)));
+                                       code(options_.end_s),
+                                       usd_string(facts_.colours_for)));
     }
 
     // `end_s`: when the next frame takes over.
@@ -263,6 +272,7 @@ def Xform "{6}" (
     std::optional<OutputFile> out_;
     std::optional<EncodedFrame> last_;  // waits for the time of the next one
     Written written_;
+    bool is_whole_ = false;
 };
 
 }  // namespace
