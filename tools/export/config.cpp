@@ -58,7 +58,10 @@ void declare(ExportConfig& config, config::OptionSet& options) {
         "or by the camera of --path, whose shot then looks as in the viewer",
         {"normals", "path"});
     options.add("quality", config.quality, "quality of the JPEG pictures", {1, 100});
-    options.add("draco", config.draco, "compress the meshes of .glb by Draco");
+    options.add("draco",
+                config.draco,
+                "compress the meshes of .glb by Draco: a fifth of the size, but not every program "
+                "reads it");
     options.add("chunk_mb",
                 config.chunk_mb,
                 "begin another .glb after so much [MB]; it is the memory that is needed",

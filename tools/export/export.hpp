@@ -23,7 +23,7 @@ struct ExportConfig {
     double to_s = 0.0;  // 0: the end
     std::uint32_t every = 1;
     int quality = 95;
-    bool draco = true;
+    bool draco = false;  // Debian's Blender reads no Draco
     std::uint32_t chunk_mb = 256;
     std::uint32_t chunk_frames = 0;
     std::uint32_t points = 100'000;
