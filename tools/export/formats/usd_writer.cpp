@@ -104,8 +104,7 @@ std::string material_text(const std::string& at, const std::string& picture) {
             def Shader "surface"
             {{
                 uniform token info:id = "UsdPreviewSurface"
-                color3f inputs:diffuseColor = (0, 0, 0)
-                color3f inputs:emissiveColor.connect = <{0}/material/picture.outputs:rgb>
+                color3f inputs:diffuseColor.connect = <{0}/material/picture.outputs:rgb>
                 float inputs:roughness = 1
                 color3f inputs:specularColor = (0, 0, 0)
                 int inputs:useSpecularWorkflow = 1
