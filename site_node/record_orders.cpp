@@ -66,8 +66,11 @@ Expected<void> RecordOrders::start(const std::string& name) {
                           "the order names no folder: a name of A-Z a-z 0-9 _ . -");
     }
     if (recorder_.is_recording()) {
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("it is recording already, into {}", current_.string()));
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("it is recording already, into {}; record --site {} --stop ends it",
+                        current_.empty() ? "--record" : current_.string(),
+                        site_));
     }
     const std::filesystem::path folder = folder_ / name;
     if (auto started = recorder_.start(folder); !started) return started;

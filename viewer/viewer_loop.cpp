@@ -58,8 +58,10 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
         if (auto applied = drawing->apply(); !applied) return applied;
     }
     if (events.reset_scene)
-        show_notice(statistics.servers().are_there ? "asking the world server to reset all objects"
-                                                   : "not reset: no world server is running");
+        show_notice(playback ? "not reset: this is a recording"
+                    : statistics.servers().are_there
+                        ? "asking the world server to reset all objects"
+                        : "not reset: no world server is running");
     if (!events.edit.hint.empty()) show_notice(events.edit.hint);
     if (events.debug) picture.annotations->toggle_debug();
     if (events.names) picture.annotations->toggle_names();
@@ -167,7 +169,9 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         const SurfaceEvents events = picture.surface->poll();
         wants_other_world = events.other_world && config.has_other_worlds;
         if (events.other_world && !wants_other_world)
-            notify_user("this run shows one world: it has an end, or writes a picture or video");
+            notify_user(playback ? "this run shows a recording: other worlds are in `viewer` alone"
+                                 : "this run shows one world: it has an end, or writes a picture "
+                                   "or video");
         if (events.close || wants_other_world) break;
         if (auto named = membership.check_name(); !named) return named;
         if (auto done = react(events); !done) return done;

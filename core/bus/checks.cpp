@@ -230,6 +230,8 @@ template Expected<void> check(const SceneCommand&);
 template Expected<void> check(const SceneEdit&);
 template Expected<void> check(const EditResult&);
 template Expected<void> check(const SavedWorlds&);
+template Expected<void> check(const RoomRecordOrder&);
+template Expected<void> check(const RoomRecording&);
 template Expected<void> check(const SiteStatus&);
 template Expected<void> check(const WorldStatus&);
 template Expected<void> check(const ViewerStatus&);

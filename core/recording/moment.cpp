@@ -17,12 +17,20 @@ constexpr std::chrono::milliseconds kStatusWindow{2500};
 
 using InstanceKey = std::pair<const bus::RawTopic*, std::string>;
 
-// What is kept and still alive, in the order in which it was written.
+// A recorder that joins is told within this time what was there before it.
+constexpr std::chrono::seconds kJoining{1};
+
+// What is kept and still alive, in the order in which it was written. What came first of an
+// instance while the recorder joined was there before.
 std::vector<KeyedSample> kept_at(const WorldFile& world, Timestamp time) {
+    const Timestamp joined = world.begin() + kJoining;
     std::map<InstanceKey, const WorldFile::Kept*> alive;
+    std::set<InstanceKey> known;
     for (const WorldFile::Kept& kept : world.kept()) {
-        if (kept.sample.time > time) break;
+        if (kept.sample.time > std::max(time, joined)) break;
         const InstanceKey key{kept.sample.topic, kept.key};
+        const bool is_first = known.insert(key).second;
+        if (kept.sample.time > time && !is_first) continue;
         if (kept.sample.raw.kind == bus::RawKind::kSample)
             alive[key] = &kept;
         else

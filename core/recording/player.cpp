@@ -135,11 +135,15 @@ void Player::end_all_but(const std::set<std::pair<const bus::RawTopic*, std::str
 
 void Player::show(Timestamp time) {
     if (time <= world_->begin()) {
-        // Nothing was there before; and what is played from here on has every sample once.
+        // What is played from here on has every sample once.
         end_all_but({});
         cursor_.seek_to(world_->begin());
         return;
     }
+    show_moment(time);
+}
+
+void Player::show_moment(Timestamp time) {
     const std::vector<KeyedSample> samples = moment(world_, time);
     std::set<std::pair<const bus::RawTopic*, std::string>> alive;
     for (const KeyedSample& one : samples) {
@@ -309,8 +313,8 @@ bool Player::wait_for_readers(std::chrono::nanoseconds timeout) const {
 }
 
 void Player::show_now(std::chrono::nanoseconds time) {
-    show(absolute(time));
-    advance(time);  // at the very beginning `show` writes nothing
+    show_moment(absolute(time));
+    advance(time);
     const std::lock_guard lock(mutex_);
     wanted_time_.reset();
 }
@@ -349,6 +353,15 @@ void Player::step(int num) {
         std::clamp(wanted_steps_ + std::clamp(num, -kMaxSteps, kMaxSteps), -kMaxSteps, kMaxSteps);
     is_shown_ = false;
     changed_.notify_all();
+}
+
+void Player::show_first() {
+    bool is_beginning = false;
+    {
+        const std::lock_guard lock(mutex_);
+        is_beginning = wanted_time_.value_or(state_.time).count() == 0;
+    }
+    if (is_beginning) step(2);
 }
 
 void Player::seek(std::chrono::nanoseconds time) {

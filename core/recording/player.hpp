@@ -79,6 +79,9 @@ public:
     void pause();
     /// Pauses and shows the frame (SiteMesh; without any: state) that is `num` later or earlier.
     void step(int num);
+    /// For a start in pause: shows the first frame that is surely whole. Before it nobody is there.
+    /// Nothing to do at a later time.
+    void show_first();
     /// Clamped to the recording.
     void seek(std::chrono::nanoseconds time);
     /// In [0.05, 20].
@@ -107,6 +110,7 @@ private:
     void refuse(const bus::RawTopic& topic, const Error& why);
     void write(const bus::RawTopic& topic, const bus::RawSample& sample, const std::string& key);
     void show(Timestamp time);
+    void show_moment(Timestamp time);
     void end_all_but(const std::set<std::pair<const bus::RawTopic*, std::string>>& alive);
     std::optional<Timestamp> frame_time(Timestamp from, int num);
     bool obey(std::unique_lock<std::mutex>& lock);

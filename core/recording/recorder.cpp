@@ -78,7 +78,12 @@ void Recorder::receive(const bus::RawTopic& topic, const bus::RawSample& sample)
             return;
         }
         const auto site = site_of(topic, *key);
-        if (site && !options_.sites.empty() && !options_.sites.contains(*site)) return;
+        if (site && !options_.sites.empty() && !options_.sites.contains(*site)) {
+            if (topic.name() != "SiteDescription") return;
+            const std::lock_guard lock(mutex_);
+            counters_.other_sites.insert(*site);
+            return;
+        }
         if (site && topic.name() == "SiteDescription") {
             const std::lock_guard lock(mutex_);
             counters_.sites.insert(*site);

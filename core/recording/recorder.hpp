@@ -36,7 +36,8 @@ struct RecorderCounters {
     std::uint64_t waiting_bytes = 0;
     std::uint64_t file_bytes = 0;
     std::vector<std::filesystem::path> files;
-    std::set<std::string> sites;  // that were heard
+    std::set<std::string> sites;        // that are recorded
+    std::set<std::string> other_sites;  // that were heard, and are not asked for
 };
 
 /// Records the topics of a world. Only listens: no other program notices it, but sites send it

@@ -47,6 +47,13 @@ RecordingSource::RecordingSource(config::Rig rig) : rig_(std::move(rig)), counte
 RecordingSource::~RecordingSource() = default;
 
 Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const RecordingOptions& options) {
+    if (options.folder.extension() == ".mcap") {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("recording '{}': this is a recording of a world: play it with "
+                        "play or viewer; a site plays the folder of a room",
+                        options.folder.string()));
+    }
     if (!fs::is_directory(options.folder)) {
         return make_error(ErrorKind::kNotFound,
                           fmt::format("recording '{}': no such folder{}",

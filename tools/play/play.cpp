@@ -146,7 +146,7 @@ Expected<void> check_nobody_is_there(const bus::Participant& participant,
         if (same == here.end()) continue;
         const std::string place = fmt::format(
             "'{}' of the recording is in this world already, on "
-            "{} (pid {})",
+            "{} (pid {}, or a player of its recording)",
             name,
             same->host,
             same->pid);
@@ -244,7 +244,10 @@ Expected<void> play_world(const PlayConfig& config,
     (*player)->set_marks(time(config.from_s),
                          config.to_s > 0.0 ? time(config.to_s) : world->duration());
     (*player)->seek(time(config.from_s));
-    if (!config.paused) (*player)->play();
+    if (config.paused)
+        (*player)->show_first();
+    else
+        (*player)->play();
     app::log::info("playing file={} world={} seconds={:.1f} sites={}",
                    world->file().path().string(),
                    bus.world,
@@ -260,7 +263,7 @@ Expected<void> play_world(const PlayConfig& config,
                    state.num_refused,
                    state.num_damaged,
                    state.num_late);
-    if (state.num_written == 0) {
+    if (state.num_written == 0 && state.num_refused + state.num_damaged > 0) {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("nothing could be played: {}", state.fault));
     }

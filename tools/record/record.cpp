@@ -14,7 +14,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <sstream>
 #include <thread>
 
@@ -61,8 +63,10 @@ recording::RecorderOptions options_of(const RecordConfig& config) {
 // Tells what goes on, until the recorder ends.
 class Teller {
 public:
-    Teller(const recording::Recorder& recorder, const bus::Participant& participant)
-        : recorder_(recorder), participant_(participant) {}
+    Teller(const recording::Recorder& recorder,
+           const bus::Participant& participant,
+           std::set<std::string> wanted_sites)
+        : recorder_(recorder), participant_(participant), wanted_sites_(std::move(wanted_sites)) {}
 
     void look(Clock::time_point now) {
         const recording::RecorderCounters counters = recorder_.counters();
@@ -71,6 +75,7 @@ public:
         for (const std::string& site : counters.sites) {
             if (sites_.insert(site).second) app::log::info("site site={}", site);
         }
+        tell_missing_sites(counters, now);
         if (counters.files.size() > num_files_) {
             num_files_ = counters.files.size();
             app::log::info("file file={}", counters.files.back().string());
@@ -103,8 +108,20 @@ public:
     }
 
 private:
+    void tell_missing_sites(const recording::RecorderCounters& counters, Clock::time_point now) {
+        if (now - begin_ < kAloneAfter || are_missing_told_) return;
+        are_missing_told_ = true;
+        std::vector<std::string> missing;
+        std::ranges::set_difference(wanted_sites_, counters.sites, std::back_inserter(missing));
+        if (missing.empty()) return;
+        app::log::warn("sites_missing sites={} here={}: recorded as soon as they come",
+                       fmt::join(missing, ","),
+                       fmt::join(counters.other_sites, ","));
+    }
+
     const recording::Recorder& recorder_;
     const bus::Participant& participant_;
+    std::set<std::string> wanted_sites_;
     app::log::LastingLog slow_;
     Clock::time_point begin_ = Clock::now();
     Clock::time_point due_ = begin_ + kTellPeriod;
@@ -113,6 +130,7 @@ private:
     std::uint64_t num_dropped_ = 0;
     std::uint64_t told_bytes_ = 0;
     bool is_alone_told_ = false;
+    bool are_missing_told_ = false;
 };
 
 }  // namespace
@@ -127,6 +145,8 @@ void declare(RecordConfig& config, config::OptionSet& options) {
                 config.raw,
                 "have the running site --site record what its cameras deliver, on its own host: "
                 "name of the new folder in the folder of its option record.orders");
+    options.add(
+        "stop", config.stop, "with --site: end the recording of its cameras, whoever began it");
     options.add("sites",
                 config.sites,
                 "sites, \"a,b\", that are recorded, and what belongs to no site; empty: all");
@@ -154,12 +174,22 @@ void declare(RecordConfig& config, config::OptionSet& options) {
 }
 
 Expected<void> check(const RecordConfig& config) {
-    if (config.site.empty() != config.raw.empty()) {
+    const bool is_of_room = !config.raw.empty() || config.stop;
+    if (config.stop && !config.raw.empty()) {
         return make_error(ErrorKind::kConfiguration,
-                          config.raw.empty()
-                              ? "site: goes with --raw FOLDER; for the world's recording it is "
-                                "--sites"
-                              : "raw: needs --site, the site whose cameras are recorded");
+                          "stop: ends a recording, raw begins one: give one of them");
+    }
+    if (is_of_room && !config.output.empty()) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            "output: not with --site: the site writes the recording, on its own host");
+    }
+    if (config.site.empty() == is_of_room) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            !is_of_room ? "site: goes with --raw FOLDER or --stop; for the world's recording it is "
+                          "--sites"
+                        : "raw and stop need --site, the site whose cameras are recorded");
     }
     if (!config.raw.empty() && !bus::is_valid_name(config.raw)) {
         return make_error(ErrorKind::kConfiguration,
@@ -178,6 +208,7 @@ Expected<void> check(const RecordConfig& config) {
 Expected<void> run_record(const RecordConfig& config, std::stop_token stop) {
     if (!config.raw.empty())
         return record_room({config.bus, config.site, config.raw, config.seconds}, std::move(stop));
+    if (config.stop) return stop_room({config.bus, config.site}, std::move(stop));
     recording::RecorderOptions options = options_of(config);
     const std::filesystem::path file = std::filesystem::absolute(options.writer.file);
     if (auto can =
@@ -203,7 +234,7 @@ Expected<void> run_record(const RecordConfig& config, std::stop_token stop) {
             done = (*recorder)->run(ending.get_token());
             is_over = true;
         });
-        Teller teller(**recorder, *participant);
+        Teller teller(**recorder, *participant, split(config.sites));
         while (!is_over && !stop.stop_requested()) {
             std::this_thread::sleep_for(kLookPeriod);
             const Clock::time_point now = Clock::now();

@@ -17,6 +17,7 @@ struct RecordConfig {
     std::filesystem::path output;  // empty: WORLD-YYYYMMDD-HHMMSS.mcap in the current folder
     std::string site;              // with `raw`
     std::string raw;               // record the pictures of `site` into this folder of its host
+    bool stop = false;             // end the recording of `site`
     std::string sites;             // "a,b"; empty: all
     std::string topics;            // likewise
     double seconds = 0.0;          // 0: until Ctrl-C

@@ -4,11 +4,13 @@
 #include "core/presence/membership.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <optional>
 #include <random>
+#include <set>
 #include <utility>
 
 namespace atrium::record_tool {
@@ -69,10 +71,21 @@ public:
         return {};
     }
 
+    // Ends what is recorded.
+    Expected<void> end(const std::stop_token& stop) {
+        if (!wait(
+                [this] { return state_.has_value() && orders_.num_readers() > 0; }, kAnswer, stop))
+            return no_answer(stop);
+        if (auto done = order(bus::RecordOrderKind::kStop, kEnd, stop); !done) return done;
+        tell("recorded_room");
+        return {};
+    }
+
 private:
     void take() {
         waiter_.wait(kRoomLook);
         states_.take([this](bus::RoomRecording&& state) {
+            sites_.insert(state.site);
             if (state.site == config_.site) state_ = std::move(state);
         });
     }
@@ -106,9 +119,10 @@ private:
         return make_error(
             ErrorKind::kUnavailable,
             fmt::format("site '{}' takes no orders to record ({}): start it with --record.orders "
-                        "FOLDER, in this world",
+                        "FOLDER, in this world; sites that take orders: {}",
                         config_.site,
-                        participant_.place()));
+                        participant_.place(),
+                        sites_.empty() ? "none" : fmt::format("{}", fmt::join(sites_, ", "))));
     }
 
     void tell(const char* what) const {
@@ -130,11 +144,10 @@ private:
     // by chance: not that of an earlier program with this process id
     std::uint32_t number_ = std::random_device()();
     std::optional<bus::RoomRecording> state_;
+    std::set<std::string> sites_;  // that take orders
 };
 
-}  // namespace
-
-Expected<void> record_room(const RoomOrderConfig& config, std::stop_token stop) {
+Expected<RoomOrder> open_order(const RoomOrderConfig& config) {
     auto participant = bus::Participant::create(config.bus);
     if (!participant) return tl::unexpected(participant.error());
     auto waiter = bus::Waiter::create(*participant);
@@ -144,9 +157,20 @@ Expected<void> record_room(const RoomOrderConfig& config, std::stop_token stop) 
     auto orders = bus::Writer<bus::RoomRecordOrder>::create(*participant);
     if (!orders) return tl::unexpected(orders.error());
     waiter->add(*states);
-    RoomOrder order(
+    return RoomOrder(
         config, *participant, std::move(*waiter), std::move(*states), std::move(*orders));
-    return order.run(stop);
+}
+
+}  // namespace
+
+Expected<void> record_room(const RoomOrderConfig& config, std::stop_token stop) {
+    auto order = open_order(config);
+    return order ? order->run(stop) : tl::unexpected(order.error());
+}
+
+Expected<void> stop_room(const RoomOrderConfig& config, std::stop_token stop) {
+    auto order = open_order(config);
+    return order ? order->end(stop) : tl::unexpected(order.error());
 }
 
 }  // namespace atrium::record_tool

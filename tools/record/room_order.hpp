@@ -20,4 +20,7 @@ struct RoomOrderConfig {
 /// ended by a fault.
 Expected<void> record_room(const RoomOrderConfig& config, std::stop_token stop);
 
+/// Ends the recording of the site's cameras, whoever began it. Errors as above.
+Expected<void> stop_room(const RoomOrderConfig& config, std::stop_token stop);
+
 }  // namespace atrium::record_tool

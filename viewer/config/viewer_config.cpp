@@ -216,6 +216,11 @@ Expected<void> check_recording(const ViewerConfig& config) {
             return wrong("recording.path: a camera path belongs to a recording: viewer FILE.mcap");
         return {};
     }
+    if (std::error_code failure; std::filesystem::is_directory(file, failure))
+        return wrong(
+            fmt::format("{} is a folder: a recording of a room is played by site_node "
+                        "--recording, and a viewer shows recordings of worlds (.mcap)",
+                        file.string()));
     if (file.extension() != ".mcap") {
         const std::string name = file.string();
         return wrong(fmt::format("unexpected: {}; {}",
@@ -226,6 +231,10 @@ Expected<void> check_recording(const ViewerConfig& config) {
                                        "--world " +
                                            name));
     }
+    if (!config.video.file.empty() && !config.output.empty())
+        return wrong(
+            "output: not with a film (video.file) of a recording; make the picture in a "
+            "run of its own");
     if (config.recording.to_s > 0.0 && config.recording.to_s <= config.recording.from_s)
         return wrong(fmt::format("recording.to: must be later than recording.from ({:g})",
                                  config.recording.from_s));

@@ -45,6 +45,8 @@ Expected<std::unique_ptr<Playback>> Playback::open(const std::filesystem::path& 
             "out",
             opened.version(),
             fmt::join(opened.foreign_topics(), ","));
+    if (!options.world.empty() && options.world != opened.world())
+        app::log::warn("world_ignored world={}: a recording is shown by itself", options.world);
     options.world = opened.world();
     options.network = "private";
     options.domain = bus::kMaxDomain;
@@ -63,14 +65,21 @@ Expected<void> Playback::start(const bus::Participant& participant, const Record
     if (!player) return tl::unexpected(player.error());
     player_ = std::move(*player);
     const nanoseconds from = from_milliseconds(config.from_s * 1e3);
+    if (from >= world_->duration() && from.count() > 0) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("recording.from: {:g} s is behind the end: the recording has "
+                                      "{:.1f} s",
+                                      config.from_s,
+                                      std::chrono::duration<double>(world_->duration()).count()));
+    }
     player_->set_marks(
         from, config.to_s > 0.0 ? from_milliseconds(config.to_s * 1e3) : world_->duration());
     player_->set_loop(config.loop);
     player_->seek(from);
     if (!config.paused)
         player_->play();
-    else if (from.count() == 0)
-        player_->step(2);  // the first frame that is surely whole: before it there is nobody
+    else
+        player_->show_first();
     thumbnails_ = std::make_unique<Thumbnails>(world_);
     // The bus of this process tells writers of their readers a moment after they are made.
     playing_ = named_thread("play", [this](std::stop_token stop) {

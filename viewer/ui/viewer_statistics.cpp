@@ -69,7 +69,7 @@ void ViewerStatistics::update(Clock::time_point now,
     reports_.add_own(next, now);
     reports_.forget_silent(now);
     reports_.set_other_worlds(hud.other_worlds);
-    watch_world(now, session, hud);
+    if (!hud.timeline) watch_world(now, session, hud);
     hud.sites = site_lines(people.streams(now), described, reports_);
     hud.warnings = reports_.warnings();
     hud.details = reports_.details();
