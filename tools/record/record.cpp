@@ -208,7 +208,7 @@ Expected<void> check(const RecordConfig& config) {
 Expected<void> run_record(const RecordConfig& config, std::stop_token stop) {
     if (!config.raw.empty())
         return record_room({config.bus, config.site, config.raw, config.seconds}, std::move(stop));
-    if (config.stop) return stop_room({config.bus, config.site}, std::move(stop));
+    if (config.stop) return stop_room({config.bus, config.site, "", 0.0}, std::move(stop));
     recording::RecorderOptions options = options_of(config);
     const std::filesystem::path file = std::filesystem::absolute(options.writer.file);
     if (auto can =
