@@ -6,6 +6,8 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
 namespace atrium::recording {
 namespace {
 
@@ -33,6 +35,14 @@ std::vector<Kept> folded(const std::vector<Recorded>& samples, Timestamp time) {
             last[{&topic, key}] = &sample;
         else
             last.erase({&topic, key});
+    }
+    // What came first of an instance within a second was there before the recorder.
+    std::set<std::pair<const bus::RawTopic*, std::string>> known;
+    for (const Recorded& sample : samples) {
+        if (!is_kept(*sample.topic) || sample.time > samples.front().time + kStream) continue;
+        const auto key = value(sample.topic->key_of({sample.kind, sample.written, sample.cdr}));
+        if (!known.insert({sample.topic, key}).second || sample.time <= time) continue;
+        if (sample.kind == bus::RawKind::kSample) last[{sample.topic, key}] = &sample;
     }
     std::vector<Kept> expected;
     for (const auto& [key, sample] : last) expected.push_back(kept(*sample));
