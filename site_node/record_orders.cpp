@@ -102,6 +102,7 @@ void RecordOrders::obey(const bus::RoomRecordOrder& order) {
                        starts ? "start" : "stop",
                        current_.string());
         if (starts) state_.state = bus::RoomRecordingState::kRunning;
+        has_stopped_ = !starts;
         state_.text = bus_line(current_.string());
     }
 }
@@ -109,11 +110,13 @@ void RecordOrders::obey(const bus::RoomRecordOrder& order) {
 // What became of the recording since the last look.
 void RecordOrders::look() {
     if (state_.state == bus::RoomRecordingState::kRunning) {
-        if (!recorder_.is_recording()) {
-            const Expected<void> result = recorder_.result();
-            state_.state =
-                result ? bus::RoomRecordingState::kComplete : bus::RoomRecordingState::kEnded;
-            if (!result) state_.text = bus_line(result.error().message);
+        // A fault may be known only a moment after the end that it caused.
+        const Expected<void> result = recorder_.result();
+        if (!recorder_.is_recording() && !result) {
+            state_.state = bus::RoomRecordingState::kEnded;
+            state_.text = bus_line(result.error().message);
+        } else if (!recorder_.is_recording() && has_stopped_) {
+            state_.state = bus::RoomRecordingState::kComplete;
         }
         state_.seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
     }

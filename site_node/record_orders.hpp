@@ -47,6 +47,7 @@ private:
     bus::RoomRecording state_;
     std::filesystem::path current_;  // folder of the newest recording
     Clock::time_point begun_;
+    bool has_stopped_ = false;  // by an order
 };
 
 }  // namespace atrium::site_node

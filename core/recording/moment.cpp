@@ -23,7 +23,7 @@ constexpr std::chrono::seconds kJoining{1};
 // What is kept and still alive, in the order in which it was written. What came first of an
 // instance while the recorder joined was there before.
 std::vector<KeyedSample> kept_at(const WorldFile& world, Timestamp time) {
-    const Timestamp joined = world.begin() + kJoining;
+    const Timestamp joined = time < world.begin() ? time : world.begin() + kJoining;
     std::map<InstanceKey, const WorldFile::Kept*> alive;
     std::set<InstanceKey> known;
     for (const WorldFile::Kept& kept : world.kept()) {
