@@ -20,6 +20,7 @@
 #include <chrono>
 #include <ctime>
 #include <limits>
+#include <new>
 #include <utility>
 
 namespace atrium::exporting {
@@ -244,8 +245,16 @@ private:
                 return encode_frame(config_, plan_, *frame, time, scratches_[worker]);
             });
     }
+    Expected<EncodedFrame> taken() {
+        try {
+            return workers_.take();
+        } catch (const std::bad_alloc&) {
+            return make_error(ErrorKind::kInternal,
+                              "out of memory; use fewer --threads, or a smaller --chunk_mb");
+        }
+    }
     Expected<void> take() {
-        Expected<EncodedFrame> frame = workers_.take();
+        Expected<EncodedFrame> frame = taken();
         if (!frame) {
             if (frame.error().kind != ErrorKind::kInvalidData) return tl::unexpected(frame.error());
             ++counts_.refused;

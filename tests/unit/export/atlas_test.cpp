@@ -208,6 +208,28 @@ TEST(Bake, TakesAPersonWithoutPicturesOrTriangles) {
     EXPECT_TRUE(colour_vertices(model).positions.empty());
 }
 
+// Not by the sites of Atrium, but by a file from anywhere.
+TEST(Bake, BoundsTheTextureOfAMeshThatIsNoPerson) {
+    test::Random random(5);
+    geometry::TriangleMesh mesh;
+    for (std::uint32_t t = 0; t < 800; ++t) {
+        for (int i = 0; i < 3; ++i) {
+            const double side_m = t % 2 == 0 ? 900.0 : 0.9;
+            mesh.vertices.emplace_back(test::between(random, -1000, 1000) * 1e-3 * side_m,
+                                       test::between(random, -1000, 1000) * 1e-3 * side_m,
+                                       test::between(random, -1000, 1000) * 1e-3 * side_m);
+        }
+        mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    renderer::PersonModelScratch scratch;
+    renderer::PersonModel model;
+    renderer::build_person_model(mesh, testing::ball_pictures(), {}, scratch, model);
+    const TexturedMesh baked = bake(model);
+    EXPECT_EQ(baked.triangles.size(), 800u);
+    EXPECT_LE(baked.texture.width, kMaxTextureSidePx);
+    EXPECT_LE(baked.texture.height, kMaxTextureSidePx);
+}
+
 TEST(ColourVertices, HaveTheColoursOfTheSurface) {
     const ColouredMesh mesh = colour_vertices(testing::ball_model());
     int count = 0;

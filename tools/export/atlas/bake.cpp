@@ -28,10 +28,11 @@ Atlas make_atlas(const renderer::PersonModel& model) {
     for (float scale = 1.0f;; scale *= kSmaller) {
         Atlas atlas;
         atlas.charts = find_charts(model, scale);
+        if (atlas.charts.is_too_large) continue;
         std::vector<Eigen::Vector2i> sizes;
         for (const Charts::Chart& chart : atlas.charts.charts) sizes.push_back(chart.size);
         atlas.packing = pack(sizes);
-        if (atlas.packing.size.maxCoeff() > kMaxTextureSidePx && scale > 0.01f) continue;
+        if (atlas.packing.size.maxCoeff() > kMaxTextureSidePx && scale > kLeastScale) continue;
         for (std::size_t t = 0; t < model.triangles.size(); ++t) {
             const std::uint32_t chart = atlas.charts.chart_of[t];
             const Eigen::Vector2i move =

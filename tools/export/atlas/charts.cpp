@@ -3,6 +3,8 @@
 #include "tools/export/atlas/projections.hpp"
 #include "tools/export/atlas/texels_inside.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,7 +17,8 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 constexpr int kPasses = 20;          // of agreeing with neighbours
 constexpr float kAgreement = 1.5f;   // gain of having all neighbours in the same projection
 constexpr float kLeastShare = 0.3f;  // of the best score, which agreement may cost
-constexpr float kShrink = 0.1f;      // [texels] neighbours share the texels on their common edge
+constexpr double kMaxTexels = 64e6;
+constexpr float kShrink = 0.1f;  // [texels] neighbours share the texels on their common edge
 constexpr int kGutter = 3;  // [texels] around each chart: bilinear and first mipmap stay inside
 
 // The best projection of each triangle, then neighbours agree, one after another.
@@ -71,6 +74,20 @@ std::vector<std::uint32_t> choose(const renderer::PersonModel& model,
         if (!has_changed) break;
     }
     return chosen;
+}
+
+// Of the rectangles around all triangles.
+double num_texels(const Triangles& triangles,
+                  const Projections& projections,
+                  const std::vector<std::uint32_t>& chosen) {
+    double sum = 0.0;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const auto& places = projections.places[chosen[t]];
+        Eigen::AlignedBox2f box;
+        for (const std::uint32_t v : triangles[t]) box.extend(places[v]);
+        if (!box.isEmpty()) sum += static_cast<double>(box.sizes().prod());
+    }
+    return sum;
 }
 
 // Which chart covers each texel of a projection.
@@ -228,6 +245,10 @@ Charts find_charts(const renderer::PersonModel& model, float scale) {
     const Triangles beyond = neighbours(model.triangles);
     const Projections projections = find_projections(model, scale);
     const std::vector<std::uint32_t> chosen = choose(model, projections, beyond);
+    if (num_texels(model.triangles, projections, chosen) > kMaxTexels && scale > kLeastScale) {
+        out.is_too_large = true;
+        return out;
+    }
     ChartMaker maker(model.triangles, beyond, projections.is_thin, out);
     for (std::uint32_t p = 0; p < projections.size(); ++p)
         maker.divide(projections.places[p], p, chosen);

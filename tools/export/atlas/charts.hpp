@@ -20,7 +20,11 @@ struct Charts {
     std::vector<std::uint32_t> chart_of;                 // per triangle
     std::vector<std::array<Eigen::Vector2f, 3>> places;  // per triangle: its corners [texels]
     std::vector<std::uint8_t> is_at_border;              // per triangle: beside another chart
+    bool is_too_large = false;  // far more texels than people have; there are no charts
 };
+
+/// Charts are made at this scale however many texels they have.
+inline constexpr float kLeastScale = 0.01f;
 
 /// Divides the surface of a person into charts.
 ///

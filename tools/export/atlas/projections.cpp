@@ -15,9 +15,10 @@ constexpr float kMaxOutside = 8.0f;  // [texels] so far outside a picture a vert
 // projection, which shows only the fallback colours.
 constexpr float kUnseen = 0.5f;
 constexpr float kParallel = 0.25f;
-constexpr float kThinScore = 0.35f;      // least score of a thin triangle
-constexpr float kUsualDensity = 200.0f;  // [texels/m] without cameras
-constexpr float kSmoothTexels = 0.5f;    // density of smooth colours, relative to the cameras'
+constexpr float kMaxParallelTexels = 2048.0f;  // longest side of a parallel projection
+constexpr float kThinScore = 0.35f;            // least score of a thin triangle
+constexpr float kUsualDensity = 200.0f;        // [texels/m] without cameras
+constexpr float kSmoothTexels = 0.5f;  // density of smooth colours, relative to the cameras'
 
 using Places = std::vector<Eigen::Vector2f>;
 
@@ -87,14 +88,16 @@ std::vector<float> densities(const renderer::PersonModel& model, const Places& p
 }
 
 // Density with which the better half of the surface can be shown.
-float usual_density(const std::vector<std::vector<float>>& of_cameras, std::size_t num_triangles) {
+float usual_density(const std::vector<std::vector<float>>& of_cameras,
+                    std::size_t num_triangles,
+                    float scale) {
     std::vector<float> best;
     for (std::size_t t = 0; t < num_triangles; ++t) {
         float most = 0.0f;
         for (const auto& densities : of_cameras) most = std::max(most, densities[t]);
         if (most > 0.0f) best.push_back(most);
     }
-    if (best.empty()) return kUsualDensity;
+    if (best.empty()) return kUsualDensity * scale;
     const auto middle = best.begin() + static_cast<std::ptrdiff_t>(best.size() / 2);
     std::nth_element(best.begin(), middle, best.end());
     return *middle;
@@ -108,7 +111,7 @@ Projections find_projections(const renderer::PersonModel& model, float scale) {
         result.places.push_back(in_camera(model, camera, scale));
         result.scores.push_back(densities(model, result.places.back()));
     }
-    const float usual = usual_density(result.scores, model.triangles.size());
+    const float usual = usual_density(result.scores, model.triangles.size(), scale);
     for (std::size_t c = 0; c < model.cameras.size(); ++c) {
         const renderer::PersonModel::Camera& camera = model.cameras[c];
         for (std::size_t t = 0; t < model.triangles.size(); ++t) {
@@ -120,7 +123,9 @@ Projections find_projections(const renderer::PersonModel& model, float scale) {
             score = std::min(1.0f, score / usual) * (kUnseen + (1.0f - kUnseen) * seen);
         }
     }
-    const float density = kSmoothTexels * usual;
+    // people are not larger than that; data may be
+    const float extent_m = std::max(1e-3f, model.bounds_site.sizes().maxCoeff());
+    const float density = std::min(kSmoothTexels * usual, scale * kMaxParallelTexels / extent_m);
     for (int axis = 0; axis < 3; ++axis) {
         for (const float sign : {1.0f, -1.0f}) {
             result.places.push_back(along(model, sign * Eigen::Vector3f::Unit(axis), density));
