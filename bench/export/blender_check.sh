@@ -20,9 +20,11 @@ export_frame() { # FILE OPTIONS...: the first frame from $time on, in the world
     shift
     "$bin/export" "$recording" --site "$site" --from "$time" --frame world --log-level warn -o "$file" "$@"
 }
-render() { # FILE PICTURE
-    blender --background --factory-startup --python-exit-code 1 --python "$here/blender_view.py" -- "$1" "$2" $width $height $fov \
-        $(echo "$position $target" | tr , ' ') > "$folder/blender.log" 2>&1 || { tail -5 "$folder/blender.log"; exit 1; }
+render() { # FILE PICTURE [FOV PLACE TARGET]
+    file=$1 to=$2
+    shift 2
+    blender --background --factory-startup --python-exit-code 1 --python "$here/blender_view.py" -- "$file" "$to" $width $height "$@" \
+        > "$folder/blender.log" 2>&1 || { tail -5 "$folder/blender.log"; exit 1; }
 }
 
 cat > "$folder/path.json" <<END
@@ -37,7 +39,10 @@ shown=$(sed -n 's/^# recording_s: //p' "$folder/frame.obj")
     --view.adapt off --view.names off --view.shadows off --recording.from "$(python3 -c "print($shown + 0.003)")" --recording.paused \
     --seconds 3 --output "$folder/viewer.png" > "$folder/viewer.log" 2>&1
 for name in normals.glb frame.obj eye.glb; do
-    render "$folder/$name" "$folder/$name.png"
+    case $name in
+    eye.glb) render "$folder/$name" "$folder/$name.png" ;; # by the camera in it
+    *) render "$folder/$name" "$folder/$name.png" $fov $(echo "$position $target" | tr , ' ') ;;
+    esac
     printf '%-12s ' "$name"
     /usr/bin/python3 "$here/compare_views.py" "$folder/$name.png" "$folder/viewer.png" "$folder/$name.beside.png"
 done

@@ -1,8 +1,10 @@
 """Run by Blender (blender_check.sh): imports an exported file, renders one frame from a camera of the viewer, with the texture alone.
 
-    blender --background --factory-startup --python blender_view.py -- FILE PICTURE WIDTH HEIGHT FOV_DEG PX PY PZ TX TY TZ [TIME_S]
+    blender --background --factory-startup --python blender_view.py -- FILE PICTURE WIDTH HEIGHT FOV_DEG PX PY PZ TX TY TZ
+    blender --background --factory-startup --python blender_view.py -- FILE PICTURE WIDTH HEIGHT
 
-FILE is a .glb or .obj; place and target are in the file's frame of reference, in metres with +Z up. The background is transparent.
+FILE is a .glb or .obj; place and target are in the file's frame of reference, in metres with +Z up. Without them: the camera of the .glb.
+The background is transparent.
 """
 import math
 import sys
@@ -17,8 +19,7 @@ if "bool" not in numpy.__dict__:
 argv = sys.argv[sys.argv.index("--") + 1:]
 source, picture = argv[0], argv[1]
 width, height = int(argv[2]), int(argv[3])
-fov_deg, px, py, pz, tx, ty, tz = map(float, argv[4:11])
-time_s = float(argv[11]) if len(argv) > 11 else 0.0
+view = list(map(float, argv[4:11]))
 RATE = 30
 
 bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -28,7 +29,7 @@ if source.endswith(".glb"):
     bpy.ops.import_scene.gltf(filepath=source)
 else:
     bpy.ops.wm.obj_import(filepath=source, forward_axis="Y", up_axis="Z")
-scene.frame_set(round(time_s * RATE))
+scene.frame_set(0)
 
 # The texture alone: what an unlit material shows.
 for material in bpy.data.materials:
@@ -45,13 +46,16 @@ for material in bpy.data.materials:
     links.new(texture.outputs["Color"], emission.inputs["Color"])
     links.new(emission.outputs["Emission"], output.inputs["Surface"])
 
-camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-scene.collection.objects.link(camera)
-camera.location = (px, py, pz)
-camera.rotation_euler = (Vector((tx, ty, tz)) - Vector((px, py, pz))).to_track_quat("-Z", "Y").to_euler()
-camera.data.sensor_fit = "VERTICAL"
-camera.data.angle_y = math.radians(fov_deg)
-camera.data.clip_start = 0.01
+if view:
+    place, target = Vector(view[1:4]), Vector(view[4:7])
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    scene.collection.objects.link(camera)
+    camera.location = place
+    camera.rotation_euler = (target - place).to_track_quat("-Z", "Y").to_euler()
+    camera.data.sensor_fit = "VERTICAL"
+    camera.data.angle_y = math.radians(view[0])
+else:
+    camera = next(thing for thing in scene.objects if thing.type == "CAMERA")
 scene.camera = camera
 
 scene.render.engine = "CYCLES"
