@@ -17,7 +17,7 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 constexpr int kPasses = 20;          // of agreeing with neighbours
 constexpr float kAgreement = 1.5f;   // gain of having all neighbours in the same projection
 constexpr float kLeastShare = 0.3f;  // of the best score, which agreement may cost
-constexpr double kMaxTexels = 64e6;
+constexpr double kMaxTexels = 16e6;
 constexpr float kShrink = 0.1f;  // [texels] neighbours share the texels on their common edge
 constexpr int kGutter = 3;  // [texels] around each chart: bilinear and first mipmap stay inside
 
