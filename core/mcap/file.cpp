@@ -98,7 +98,7 @@ Expected<bool> File::read_summary() {
 Expected<File> File::open(const std::filesystem::path& path) {
     File file;
     file.path_ = path;
-    file.descriptor_ = OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    file.descriptor_ = Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (file.descriptor_.get() < 0) {
         return make_error(
             ErrorKind::kNotFound,

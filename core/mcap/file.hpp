@@ -42,7 +42,7 @@ private:
     Expected<bool> read_summary();
 
     std::filesystem::path path_;
-    OpenFile descriptor_;
+    Descriptor descriptor_{-1};
     Contents contents_;
     std::string fault_;
     std::size_t num_damaged_chunks_ = 0;

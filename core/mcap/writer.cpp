@@ -14,22 +14,11 @@
 
 namespace atrium::mcap {
 
-OpenFile::OpenFile(OpenFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-OpenFile& OpenFile::operator=(OpenFile&& other) noexcept {
-    std::swap(descriptor_, other.descriptor_);
-    return *this;
-}
-
-OpenFile::~OpenFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-Writer::Writer(std::filesystem::path file, OpenFile descriptor, std::size_t num_lanes)
+Writer::Writer(std::filesystem::path file, Descriptor descriptor, std::size_t num_lanes)
     : file_(std::move(file)), descriptor_(std::move(descriptor)), lanes_(num_lanes) {}
 
 Expected<Writer> Writer::create(const std::filesystem::path& file, std::size_t num_lanes) {
-    OpenFile descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+    Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
     if (descriptor.get() < 0) {
         if (errno == EEXIST) {
             return make_error(
@@ -142,7 +131,7 @@ Expected<void> Writer::finish() {
 }
 
 Expected<void> repair(const std::filesystem::path& file) {
-    OpenFile descriptor(::open(file.c_str(), O_RDWR | O_CLOEXEC));
+    Descriptor descriptor(::open(file.c_str(), O_RDWR | O_CLOEXEC));
     if (descriptor.get() < 0) return tl::unexpected(cannot_write(file, "repair it", errno));
     if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0) {
         return make_error(ErrorKind::kUnavailable,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/descriptor.hpp"
 #include "core/base/expected.hpp"
 #include "core/mcap/compression.hpp"
 #include "core/mcap/records.hpp"
@@ -12,20 +13,6 @@
 #include <vector>
 
 namespace atrium::mcap {
-
-/// Owns a file descriptor.
-class OpenFile {
-public:
-    OpenFile() = default;
-    explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
-    OpenFile(OpenFile&& other) noexcept;
-    OpenFile& operator=(OpenFile&& other) noexcept;
-    ~OpenFile();
-    int get() const { return descriptor_; }
-
-private:
-    int descriptor_ = -1;
-};
 
 /// Writes an MCAP file: chunks compressed with zstd, message indexes, and at the end a summary.
 ///
@@ -61,12 +48,12 @@ public:
     const std::map<std::uint16_t, std::uint64_t>& lost() const { return lost_; }
 
 private:
-    Writer(std::filesystem::path file, OpenFile descriptor, std::size_t num_lanes);
+    Writer(std::filesystem::path file, Descriptor descriptor, std::size_t num_lanes);
     Expected<void> append(std::span<const std::byte> bytes);
     friend Expected<void> repair(const std::filesystem::path& file);
 
     std::filesystem::path file_;
-    OpenFile descriptor_;
+    Descriptor descriptor_;
     std::uint64_t end_ = 0;
     Contents contents_;
     std::vector<ChunkBuilder> lanes_;

@@ -160,7 +160,7 @@ TEST_F(McapRoundTrip, ReadsAFileThatIsStillWrittenAndDoesNotRepairIt) {
 // Two readers at once must not take each other for a writer.
 TEST_F(McapRoundTrip, IsNotBeingWrittenOnlyBecauseAnotherReads) {
     write_sample_file(folder_ / "a.mcap", 1, 2, /*is_finished=*/false);
-    const OpenFile other(::open((folder_ / "a.mcap").c_str(), O_RDONLY));
+    const Descriptor other(::open((folder_ / "a.mcap").c_str(), O_RDONLY));
     ASSERT_EQ(::flock(other.get(), LOCK_SH), 0);
     const auto file = File::open(folder_ / "a.mcap");
     ASSERT_TRUE(file);
