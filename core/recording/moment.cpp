@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 
 namespace atrium::recording {
@@ -115,7 +114,7 @@ private:
 std::vector<KeyedSample> moment(const std::shared_ptr<const WorldFile>& world, Timestamp time) {
     std::vector<KeyedSample> samples = kept_at(*world, time);
     std::vector<PlayedSample> people;
-    std::map<InstanceKey, std::optional<PlayedSample>> last;  // of states and statuses
+    std::map<InstanceKey, PlayedSample> last;  // of states and statuses
     Cursor cursor(world);
     cursor.seek_to(time + -kStatusWindow);
     for (const PlayedSample* next = cursor.peek(); next != nullptr && next->time <= time;
@@ -128,14 +127,14 @@ std::vector<KeyedSample> moment(const std::shared_ptr<const WorldFile>& world, T
             people.push_back(*next);
         } else if (auto key = topic.key_of(next->raw)) {
             if (next->raw.kind == bus::RawKind::kSample)
-                last[{&topic, std::move(*key)}] = *next;
+                last.insert_or_assign({&topic, std::move(*key)}, *next);
             else
                 last.erase({&topic, std::move(*key)});
         }
     }
     NewestFrames(people).add_to(samples);
     std::vector<KeyedSample> states;
-    for (auto& [key, sample] : last) states.push_back({std::move(*sample), key.second});
+    for (auto& [key, sample] : last) states.push_back({std::move(sample), key.second});
     std::ranges::stable_sort(states, {}, [](const KeyedSample& one) { return one.sample.time; });
     std::ranges::move(states, std::back_inserter(samples));
     return samples;
