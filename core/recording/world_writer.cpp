@@ -59,7 +59,7 @@ Expected<void> WorldWriter::begin_file(Timestamp time) {
     channels_.clear();
     notes_.reset();
     sequences_.clear();
-    lanes_.assign(kNumLanes, {});
+    unflushed_since_.assign(kNumLanes, {});
     file_begin_ = time;
     mcap::Metadata metadata;
     metadata.name = "atrium";
@@ -93,10 +93,15 @@ Expected<void> WorldWriter::put(const Recorded& sample, Timestamp time) {
         return tl::unexpected(channel.error());
     }
     const std::size_t lane = is_kept(*sample.topic) ? kKeptLane : kOtherLane;
-    out_->write(lane, {*channel, sequences_[*channel]++, time, sample.written, sample.cdr});
-    if (!lanes_[lane].since) lanes_[lane].since = std::chrono::steady_clock::now();
+    return put_message(lane, {*channel, sequences_[*channel]++, time, sample.written, sample.cdr});
+}
+
+Expected<void> WorldWriter::put_message(std::size_t lane, const mcap::Message& message) {
+    out_->write(lane, message);
+    auto& since = unflushed_since_[lane];
+    if (!since) since = std::chrono::steady_clock::now();
     if (out_->lane_bytes(lane) < kChunkBytes) return {};
-    lanes_[lane].since.reset();
+    since.reset();
     return out_->flush(lane);
 }
 
@@ -150,15 +155,13 @@ Expected<void> WorldWriter::note(Timestamp time, const std::string& json) {
         if (!channel) return tl::unexpected(channel.error());
         notes_ = *channel;
     }
-    out_->write(kOtherLane,
-                {*notes_, sequences_[*notes_]++, time, time, std::as_bytes(std::span(json))});
-    if (!lanes_[kOtherLane].since) lanes_[kOtherLane].since = std::chrono::steady_clock::now();
-    return {};
+    return put_message(
+        kOtherLane, {*notes_, sequences_[*notes_]++, time, time, std::as_bytes(std::span(json))});
 }
 
 Expected<void> WorldWriter::flush_due(std::chrono::steady_clock::time_point now) {
-    for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
-        auto& since = lanes_[lane].since;
+    for (std::size_t lane = 0; lane < unflushed_since_.size(); ++lane) {
+        auto& since = unflushed_since_[lane];
         if (!since || now - *since < kFlushAfter) continue;
         since.reset();
         if (auto done = out_->flush(lane); !done) return done;

@@ -70,11 +70,9 @@ private:
     Expected<void> begin_file(Timestamp time);
     Expected<std::uint16_t> channel_of(const bus::RawTopic& topic, bus::RawKind kind);
     Expected<void> put(const Recorded& sample, Timestamp time);
+    Expected<void> put_message(std::size_t lane, const mcap::Message& message);
     Expected<void> cut_if_due(Timestamp time);
-
-    struct Lane {
-        std::optional<std::chrono::steady_clock::time_point> since;  // of its oldest message
-    };
+    void keep(const Recorded& sample, std::string key);
 
     WriterOptions options_;
     std::optional<mcap::Writer> out_;
@@ -85,10 +83,10 @@ private:
     std::map<std::pair<const bus::RawTopic*, bus::RawKind>, std::uint16_t> channels_;
     std::optional<std::uint16_t> notes_;
     std::map<std::uint16_t, std::uint32_t> sequences_;
-    std::vector<Lane> lanes_;
-    std::map<std::string, std::uint64_t>
-        not_begun_;  // samples for which a file had no room, by topic
-    void keep(const Recorded& sample, std::string key);
+    /// Since when each lane holds a message that is not in the file.
+    std::vector<std::optional<std::chrono::steady_clock::time_point>> unflushed_since_;
+    /// Samples for which a file had no room, by topic.
+    std::map<std::string, std::uint64_t> not_begun_;
 
     /// The newest sample of each instance that is kept, by topic and key: for the next file.
     std::map<std::pair<const bus::RawTopic*, std::string>, Recorded> kept_;
