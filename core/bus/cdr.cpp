@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <limits>
 
 namespace atrium::bus {
@@ -40,9 +41,7 @@ Expected<void> wire_of(const dds_topic_descriptor_t& topic,
     // Cyclone checks and swaps in place. One byte more: it wants a pointer also for no bytes.
     const auto size = static_cast<std::uint32_t>(cdr.size() - kHeaderBytes);
     std::vector<char> content(std::size_t{size} + 1);
-    std::transform(cdr.begin() + kHeaderBytes, cdr.end(), content.begin(), [](std::byte byte) {
-        return static_cast<char>(byte);
-    });
+    std::memcpy(content.data(), cdr.data() + kHeaderBytes, size);
     std::uint32_t end = 0;
     if (dds_stream_normalize_data(content.data(), &end, size, swaps, kXcdrVersion, topic.m_ops) ==
         nullptr)
