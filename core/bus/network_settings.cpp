@@ -1,5 +1,6 @@
 #include "core/bus/network_settings.hpp"
 
+#include "core/base/split_list.hpp"
 #include "core/bus/builtin_files.hpp"
 #include "core/bus/network_file.hpp"
 
@@ -22,17 +23,6 @@ namespace {
 
 // Cyclone's default if the file does not set SocketReceiveBufferSize.
 constexpr std::size_t kDefaultReceiveBufferBytes = 1U << 20U;
-
-std::vector<std::string> split(const std::string& list) {
-    std::vector<std::string> parts;
-    std::istringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');) {
-        const auto begin = part.find_first_not_of(' ');
-        if (begin == std::string::npos) continue;
-        parts.push_back(part.substr(begin, part.find_last_not_of(' ') - begin + 1));
-    }
-    return parts;
-}
 
 Expected<std::string> resolve(const std::string& host) {
     addrinfo hints{};
@@ -234,7 +224,7 @@ Expected<void> enter_peers(const BusOptions& options,
                            bool is_builtin,
                            DomainElement& domain,
                            NetworkSettings& settings) {
-    for (const std::string& host : split(options.peers)) {
+    for (const std::string& host : split_list(options.peers)) {
         const auto address = resolve(host);
         if (!address) return tl::unexpected(address.error());
         const bool is_remote = !is_this_host(*address);

@@ -1,6 +1,7 @@
 #include "tools/demo/start_checks.hpp"
 
 #include "core/app/process.hpp"
+#include "core/base/split_list.hpp"
 #include "core/config/spelling.hpp"
 #include "core/config/table_reader.hpp"
 
@@ -9,7 +10,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <sstream>
 #include <system_error>
 
 namespace atrium::demo {
@@ -104,17 +104,6 @@ Expected<std::vector<DemoSite>> read_sites(const DemoConfig& config) {
 }
 
 }  // namespace
-
-std::vector<std::string> split_list(const std::string& list) {
-    std::vector<std::string> parts;
-    std::istringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');) {
-        const auto begin = part.find_first_not_of(' ');
-        if (begin == std::string::npos) continue;
-        parts.push_back(part.substr(begin, part.find_last_not_of(' ') - begin + 1));
-    }
-    return parts;
-}
 
 void use_installed(DemoConfig& config, const fs::path& programs) {
     if (config.programs.empty()) config.programs = programs;

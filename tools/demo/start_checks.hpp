@@ -16,9 +16,6 @@ struct DemoSite {
     std::string motion;  // empty: from the file
 };
 
-/// Returns the parts of a list separated by commas, without spaces around them.
-std::vector<std::string> split_list(const std::string& list);
-
 /// Completes a configuration that leaves paths as they are by default: `programs`, the folder of
 /// the demo's own program, and, where the current folder has no such files, `deploy`, `world` and
 /// `viewer` of an installation, which are in `deploy` beside that folder.

@@ -1,5 +1,6 @@
 #include "tools/monitor/monitor.hpp"
 
+#include "core/base/split_list.hpp"
 #include "core/bus/bus_options.hpp"
 #include "tools/monitor/inbox.hpp"
 #include "tools/monitor/render_json.hpp"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <sstream>
 
 namespace atrium::monitor {
 namespace {
@@ -21,20 +21,11 @@ Clock::duration from_seconds(double seconds) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-std::vector<std::string> split(const std::string& list) {
-    std::vector<std::string> parts;
-    std::istringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');) {
-        if (!part.empty()) parts.push_back(part);
-    }
-    return parts;
-}
-
 class Monitor {
 public:
     Monitor(const MonitorConfig& config, Inbox inbox)
         : config_(config),
-          sites_(split(config.sites)),
+          sites_(split_list(config.sites)),
           inbox_(std::move(inbox)),
           model_(config.bus.world),
           screen_(!config.json && !config.once) {

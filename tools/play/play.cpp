@@ -2,6 +2,7 @@
 
 #include "core/app/lasting_log.hpp"
 #include "core/app/log.hpp"
+#include "core/base/split_list.hpp"
 #include "core/bus/bus_options.hpp"
 #include "core/bus/names.hpp"
 #include "core/recording/topic_roles.hpp"
@@ -18,7 +19,6 @@
 #include <cstdio>
 #include <numbers>
 #include <set>
-#include <sstream>
 #include <thread>
 
 namespace atrium::play {
@@ -28,15 +28,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kListen{1200};
 constexpr std::chrono::milliseconds kLookPeriod{100};
 constexpr std::chrono::seconds kTellPeriod{10};
-
-std::vector<std::string> split(const std::string& list, char separator) {
-    std::vector<std::string> parts;
-    std::istringstream stream(list);
-    for (std::string part; std::getline(stream, part, separator);) {
-        if (!part.empty()) parts.push_back(part);
-    }
-    return parts;
-}
 
 tl::unexpected<Error> wrong(const std::string& message) {
     return make_error(ErrorKind::kConfiguration, message);
@@ -56,7 +47,7 @@ Expected<void> check_site(const recording::WorldFile& world,
 Expected<recording::PlaySelection> add_names(const PlayConfig& config,
                                              const recording::WorldFile& world,
                                              recording::PlaySelection selection) {
-    for (const std::string& pair : split(config.rename, ',')) {
+    for (const std::string& pair : split_list(config.rename)) {
         const auto equals = pair.find('=');
         const std::string from = pair.substr(0, equals);
         const std::string to = equals == std::string::npos ? "" : pair.substr(equals + 1);
@@ -72,7 +63,7 @@ Expected<recording::PlaySelection> add_names(const PlayConfig& config,
 
 Expected<recording::PlaySelection> add_places(const PlayConfig& config,
                                               recording::PlaySelection selection) {
-    for (const std::string& text : split(config.place, ';')) {
+    for (const std::string& text : split_list(config.place, ';')) {
         const auto equals = text.find('=');
         const std::string site = text.substr(0, equals);
         double x = 0.0;
@@ -308,13 +299,13 @@ Expected<void> check(const PlayConfig& config) {
 Expected<recording::PlaySelection> selection_of(const PlayConfig& config,
                                                 const recording::WorldFile& world) {
     recording::PlaySelection selection;
-    for (const std::string& site : split(config.sites, ',')) {
+    for (const std::string& site : split_list(config.sites)) {
         if (auto known = check_site(world, "sites", site); !known)
             return tl::unexpected(known.error());
         selection.sites.insert(site);
     }
     const auto there = world.num_samples();
-    for (const std::string& topic : split(config.topics, ',')) {
+    for (const std::string& topic : split_list(config.topics)) {
         if (!there.contains(topic)) {
             std::vector<std::string> names;
             for (const auto& [name, num] : there) names.push_back(name);

@@ -3,6 +3,7 @@
 #include "core/app/lasting_log.hpp"
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
+#include "core/base/split_list.hpp"
 #include "core/base/write_check.hpp"
 #include "core/bus/bus_options.hpp"
 #include "core/bus/names.hpp"
@@ -17,7 +18,6 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
-#include <sstream>
 #include <thread>
 
 namespace atrium::record_tool {
@@ -28,13 +28,9 @@ constexpr std::chrono::milliseconds kLookPeriod{500};
 constexpr std::chrono::seconds kTellPeriod{10};
 constexpr std::chrono::seconds kAloneAfter{5};
 
-std::set<std::string> split(const std::string& list) {
-    std::set<std::string> parts;
-    std::istringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');) {
-        if (!part.empty()) parts.insert(part);
-    }
-    return parts;
+std::set<std::string> names_in(const std::string& list) {
+    std::vector<std::string> names = split_list(list);
+    return {std::make_move_iterator(names.begin()), std::make_move_iterator(names.end())};
 }
 
 double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / 1e6; }
@@ -53,8 +49,8 @@ recording::RecorderOptions options_of(const RecordConfig& config) {
     options.writer.version = app::version();
     options.writer.cut_bytes = static_cast<std::uint64_t>(config.cut_mb * 1e6);
     options.writer.cut_after = from_milliseconds(config.cut_s * 1e3);
-    options.sites = split(config.sites);
-    options.topics = split(config.topics);
+    options.sites = names_in(config.sites);
+    options.topics = names_in(config.topics);
     options.buffer_bytes = std::uint64_t{config.buffer_mb} << 20U;
     options.spare_disk_bytes = std::uint64_t{config.spare_disk_mb} << 20U;
     return options;
@@ -234,7 +230,7 @@ Expected<void> run_record(const RecordConfig& config, std::stop_token stop) {
             done = (*recorder)->run(ending.get_token());
             is_over = true;
         });
-        Teller teller(**recorder, *participant, split(config.sites));
+        Teller teller(**recorder, *participant, names_in(config.sites));
         while (!is_over && !stop.stop_requested()) {
             std::this_thread::sleep_for(kLookPeriod);
             const Clock::time_point now = Clock::now();

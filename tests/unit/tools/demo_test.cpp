@@ -183,9 +183,5 @@ TEST(DemoLogs, FindsDoubtsAboutFiles) {
     EXPECT_THAT(doubts(log_line("info", "model_missing m")), IsEmpty());
 }
 
-TEST(DemoSites, SplitsAList) {
-    EXPECT_THAT(split_list("alice, bob ,,"), ElementsAre("alice", "bob"));
-}
-
 }  // namespace
 }  // namespace atrium::demo
