@@ -46,6 +46,9 @@ struct PlayState {
     std::string fault;              // the last of these; empty: none
 };
 
+/// "1:02.5": minutes and seconds since the beginning of a recording, cut to tenths.
+std::string position_text(std::chrono::nanoseconds time);
+
 /// Plays a recording into a world: the same samples with the same bytes, at their times.
 ///
 /// Only the names and places of the selection are changed. The time of writing is moved to now, so

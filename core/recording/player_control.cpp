@@ -1,5 +1,7 @@
 #include "core/recording/player.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 // What other threads ask of a player; player.cpp has what it then does.
@@ -11,6 +13,13 @@ constexpr double kMaxSpeed = 20.0;
 constexpr int kMaxSteps = 1'000'000;
 
 }  // namespace
+
+std::string position_text(std::chrono::nanoseconds time) {
+    constexpr std::int64_t kTenthsPerMinute = 600;
+    const std::int64_t tenths = time / std::chrono::milliseconds(100);
+    const std::int64_t rest = tenths % kTenthsPerMinute;
+    return fmt::format("{}:{:02}.{}", tenths / kTenthsPerMinute, rest / 10, rest % 10);
+}
 
 void Player::play() {
     const std::lock_guard lock(mutex_);

@@ -75,12 +75,6 @@ std::string do_command(recording::Player& player, const std::string& what, const
     return fault;
 }
 
-std::string clock_text(nanoseconds time) {
-    const double all_s = seconds(time);
-    const auto minutes = static_cast<int>(all_s / 60.0);
-    return fmt::format("{}:{:04.1f}", minutes, std::floor((all_s - 60.0 * minutes) * 10.0) / 10.0);
-}
-
 }  // namespace
 
 std::string state_json(const recording::PlayState& state) {
@@ -158,12 +152,14 @@ std::string state_text(const recording::PlayState& state) {
                                    state.is_playing  ? "playing"
                                    : state.is_at_end ? "at the end"
                                                      : "paused",
-                                   clock_text(state.time),
-                                   clock_text(state.duration),
+                                   recording::position_text(state.time),
+                                   recording::position_text(state.duration),
                                    state.speed);
     if (state.loops) text += "  loop";
     if (state.in.count() > 0 || state.out < state.duration)
-        text += fmt::format("  in {} out {}", clock_text(state.in), clock_text(state.out));
+        text += fmt::format("  in {} out {}",
+                            recording::position_text(state.in),
+                            recording::position_text(state.out));
     if (state.num_refused > 0) text += fmt::format("  refused {}", state.num_refused);
     if (state.num_damaged > 0) text += fmt::format("  damaged {}", state.num_damaged);
     return text;

@@ -8,7 +8,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace atrium::viewer {
 namespace {
@@ -22,13 +21,6 @@ constexpr ImU32 kOutsideColour = IM_COL32(20, 22, 25, 170);
 constexpr ImU32 kMarkColour = IM_COL32(255, 190, 70, 255);
 constexpr ImU32 kHeadColour = IM_COL32(255, 255, 255, 255);
 constexpr std::array<double, 6> kSpeeds{0.1, 0.25, 0.5, 1.0, 2.0, 4.0};
-
-std::string length_text(nanoseconds time) {
-    const double seconds = std::chrono::duration<double>(time).count();
-    const auto minutes = static_cast<int>(seconds / 60.0);
-    return fmt::format(
-        "{}:{:04.1f}", minutes, std::floor((seconds - 60.0 * minutes) * 10.0) / 10.0);
-}
 
 void ask(SurfaceEvents& events, PlaybackEvent event) { events.playback.push_back(event); }
 
@@ -109,7 +101,7 @@ void TimelinePanel::draw_strip(const TimelineContent& content, SurfaceEvents& ev
                  ui_px(2.0));
     const float mouse_x = ImGui::GetIO().MousePos.x;
     if (ImGui::IsItemHovered() || ImGui::IsItemActive())
-        ImGui::SetTooltip("%s", length_text(time_at(mouse_x)).c_str());
+        ImGui::SetTooltip("%s", recording::position_text(time_at(mouse_x)).c_str());
     // While it is dragged only where the mouse has moved: each jump costs time.
     const bool scrubs =
         ImGui::IsItemActivated() || (ImGui::IsItemActive() && ImGui::GetIO().MouseDelta.x != 0.0f);
@@ -123,7 +115,9 @@ void TimelinePanel::draw_buttons(const TimelineContent& content, SurfaceEvents& 
     if (button("<", "one frame back: ,")) ask(events, {.kind = PlaybackAsk::kStep, .number = -1});
     if (button(">", "one frame on: .")) ask(events, {.kind = PlaybackAsk::kStep, .number = 1});
     ImGui::AlignTextToFramePadding();
-    ImGui::Text("%s / %s", length_text(state.time).c_str(), length_text(state.duration).c_str());
+    ImGui::Text("%s / %s",
+                recording::position_text(state.time).c_str(),
+                recording::position_text(state.duration).c_str());
     ImGui::SameLine();
     ImGui::SetNextItemWidth(ui_px(64.0));
     if (ImGui::BeginCombo("##speed", fmt::format("x{:g}", state.speed).c_str())) {
@@ -146,8 +140,10 @@ void TimelinePanel::draw_buttons(const TimelineContent& content, SurfaceEvents& 
     ImGui::EndDisabled();
     if (has_marks) {
         ImGui::AlignTextToFramePadding();
-        ImGui::TextColored(
-            kHintColour, "%s to %s", length_text(state.in).c_str(), length_text(state.out).c_str());
+        ImGui::TextColored(kHintColour,
+                           "%s to %s",
+                           recording::position_text(state.in).c_str(),
+                           recording::position_text(state.out).c_str());
         ImGui::SameLine();
     }
     ImGui::NewLine();
