@@ -13,7 +13,6 @@
 #include "world_server/simulation.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -209,19 +208,7 @@ RecordedRun::~RecordedRun() = default;
 Expected<std::unique_ptr<RecordedRun>> RecordedRun::create(const WorldServerConfig& given) {
     auto world = open_recording(given.recording.file);
     if (!world) return tl::unexpected(world.error());
-    const std::string file = given.recording.file.string();
-    if (!(*world)->file().fault().empty()) {
-        app::log::warn("damaged file={} reason=\"{}\"; all whole chunks are used",
-                       file,
-                       (*world)->file().fault());
-    }
-    if (!(*world)->foreign_topics().empty()) {
-        app::log::warn(
-            "other_version recorded_by={} topics={}: samples that do not fit are "
-            "rejected",
-            (*world)->version(),
-            fmt::join((*world)->foreign_topics(), ","));
-    }
+    for (const std::string& line : (*world)->warnings()) app::log::warn("{}", line);
     WorldServerConfig config = config_for(given, **world);
     if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());
     auto scene = Scene::create(config);

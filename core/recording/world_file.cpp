@@ -5,6 +5,7 @@
 #include "core/recording/topic_roles.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -147,6 +148,28 @@ std::map<std::string, std::uint64_t> WorldFile::num_samples() const {
             nums[std::string(known.topic->name())] += num;
     }
     return nums;
+}
+
+std::vector<std::string> WorldFile::warnings() const {
+    std::vector<std::string> lines;
+    const std::string name = file_.path().string();
+    if (file_.is_being_written()) {
+        lines.push_back(fmt::format("still_written file={}: what comes later is left out", name));
+    } else if (!file_.fault().empty()) {
+        lines.push_back(
+            fmt::format("damaged file={} reason=\"{}\"; all whole chunks are used; `atrium play {} "
+                        "--repair` completes the file",
+                        name,
+                        file_.fault(),
+                        name));
+    }
+    if (!foreign_topics_.empty()) {
+        lines.push_back(fmt::format(
+            "other_version recorded_by={} topics={}: samples that do not fit are left out",
+            version(),
+            fmt::join(foreign_topics_, ",")));
+    }
+    return lines;
 }
 
 RecordedChannel WorldFile::channel(std::uint16_t id) const {

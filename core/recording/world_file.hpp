@@ -57,6 +57,10 @@ public:
     /// Topics whose type is another one than this program's: their samples may be refused.
     const std::vector<std::string>& foreign_topics() const { return foreign_topics_; }
 
+    /// What a user of it should know, each a line of the log: it is still written, it is cut off,
+    /// or it has topics of another version.
+    std::vector<std::string> warnings() const;
+
     RecordedChannel channel(std::uint16_t id) const;
 
     /// All samples of topics that are kept (`is_kept`), by time, with their keys.

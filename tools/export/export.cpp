@@ -286,11 +286,7 @@ Expected<void> check_place(const ExportConfig& config) {
 Expected<void> run_export(const ExportConfig& config, std::stop_token stop) {
     auto world = recording::WorldFile::open(config.file);
     if (!world) return tl::unexpected(world.error());
-    if (!(*world)->file().fault().empty() && !(*world)->file().is_being_written()) {
-        app::log::warn("damaged file={} reason=\"{}\"; all whole chunks are exported",
-                       config.file.string(),
-                       (*world)->file().fault());
-    }
+    for (const std::string& line : (*world)->warnings()) app::log::warn("{}", line);
     auto plan = make_plan(config, *world);
     if (!plan) return tl::unexpected(plan.error());
     if (auto writable = check_place(config); !writable) return writable;

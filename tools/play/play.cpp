@@ -342,20 +342,7 @@ Expected<void> run_play(const PlayConfig& config, std::stop_token stop) {
         return {};
     }
     if (config.repair) return {};
-    if (!(*world)->file().fault().empty() && !(*world)->file().is_being_written()) {
-        app::log::warn(
-            "damaged file={} reason=\"{}\"; all whole chunks are played; --repair "
-            "completes the file",
-            config.file.string(),
-            (*world)->file().fault());
-    }
-    if (!(*world)->foreign_topics().empty()) {
-        app::log::warn(
-            "other_version recorded_by={} topics={}: samples that do not fit are "
-            "refused",
-            (*world)->version(),
-            fmt::join((*world)->foreign_topics(), ","));
-    }
+    for (const std::string& line : (*world)->warnings()) app::log::warn("{}", line);
     const double length_s = std::chrono::duration<double>((*world)->duration()).count();
     if (config.from_s >= length_s && config.from_s > 0.0) {
         return wrong(fmt::format(

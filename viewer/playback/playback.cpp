@@ -31,20 +31,7 @@ Expected<std::unique_ptr<Playback>> Playback::open(const std::filesystem::path& 
                    opened.world(),
                    std::chrono::duration<double>(opened.duration()).count(),
                    fmt::join(opened.sites(), ","));
-    if (opened.file().is_being_written())
-        app::log::warn("still_written file={}: what comes later is not shown", file.string());
-    else if (!opened.file().fault().empty())
-        app::log::warn(
-            "damaged file={} reason=\"{}\"; all whole chunks are shown; atrium play "
-            "--repair completes the file",
-            file.string(),
-            opened.file().fault());
-    if (!opened.foreign_topics().empty())
-        app::log::warn(
-            "other_version recorded_by={} topics={}: samples that do not fit are left "
-            "out",
-            opened.version(),
-            fmt::join(opened.foreign_topics(), ","));
+    for (const std::string& line : opened.warnings()) app::log::warn("{}", line);
     if (!options.world.empty() && options.world != opened.world())
         app::log::warn("world_ignored world={}: a recording is shown by itself", options.world);
     options.world = opened.world();
