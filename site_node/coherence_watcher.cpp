@@ -1,13 +1,12 @@
 #include "site_node/coherence_watcher.hpp"
 
 #include "core/app/log.hpp"
+#include "core/base/thread_priority.hpp"
 #include "core/bus/names.hpp"
 #include "site_node/coherence/fault_text.hpp"
 
 #include <fmt/format.h>
 #include <pthread.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <ctime>
@@ -19,7 +18,6 @@ namespace {
 constexpr auto kSightPeriod = std::chrono::milliseconds(500);
 constexpr auto kKeepPeriod = std::chrono::minutes(1);  // somebody may mend the camera meanwhile
 constexpr double kNotGood_px = coherence::kFits_px;
-constexpr int kLeastPriority = 19;  // of nice(2); on Linux per thread
 
 double thread_cpu_s() {
     timespec time{};
@@ -86,7 +84,7 @@ void CoherenceWatcher::put(std::uint64_t frame_id, std::vector<views::NamedView>
 }
 
 void CoherenceWatcher::run(std::stop_token stop) {
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLeastPriority);
+    lower_thread_priority();
     while (auto one = slot_.take(stop)) {
         look(std::move(*one));
         cpu_s_ = thread_cpu_s();

@@ -1,11 +1,10 @@
 #include "site_node/rig_watcher.hpp"
 
 #include "core/app/log.hpp"
+#include "core/base/thread_priority.hpp"
 #include "core/bus/names.hpp"
 
 #include <pthread.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <optional>
 #include <utility>
@@ -17,7 +16,6 @@ constexpr auto kLookPeriod = std::chrono::seconds(1);
 constexpr auto kRarePeriod = std::chrono::seconds(5);
 constexpr std::size_t kWell = 20;  // good looks until they become rare
 constexpr auto kLastDiagnosis = std::chrono::seconds(3);
-constexpr int kLowestPriority = 19;  // of nice(2); on Linux per thread
 
 }  // namespace
 
@@ -38,7 +36,7 @@ bool RigWatcher::wants_look(Clock::time_point now) {
 }
 
 void RigWatcher::run(std::stop_token stop) {
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowestPriority);
+    lower_thread_priority();
     while (const auto look = slot_.take(stop)) judge(*look, stop);
 }
 

@@ -1,8 +1,8 @@
 #include "site_node/preview/preview.hpp"
 
+#include "core/base/thread_priority.hpp"
+
 #include <pthread.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <condition_variable>
 #include <mutex>
@@ -14,7 +14,6 @@ namespace {
 constexpr auto kFilePeriod = std::chrono::seconds(1);
 constexpr auto kWindowPeriod = std::chrono::milliseconds(100);
 constexpr const char* kFileInsteadOfWindow = "preview.png";
-constexpr int kLowestPriority = 19;  // of nice(2); on Linux per thread
 
 class Alarm {
 public:
@@ -101,7 +100,7 @@ void Preview::draw_shot(std::optional<Shot>& shot) {
 }
 
 void Preview::run(std::stop_token stop) {
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowestPriority);
+    lower_thread_priority();
     if (target_ != kWindow) return write_pictures(stop);
     const auto window = PreviewWindow::open("Atrium: views of the site");
     if (window) return show_in(**window, stop);

@@ -3,9 +3,9 @@
 #include "core/app/log.hpp"
 #include "core/base/named_thread.hpp"
 #include "core/base/next_second.hpp"
+#include "core/base/thread_priority.hpp"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -314,8 +314,7 @@ Expected<void> RawRecorder::result() const {
 
 void RawRecorder::write_pictures(std::size_t writer, const std::stop_token& stop) {
     // the site goes first: a metaframe cannot wait, a picture in the queue can
-    const auto self = static_cast<id_t>(gettid());
-    setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kNicer);
+    lower_thread_priority(kNicer);
     while (auto item = queue_.take(writer, stop)) {
         item->session->write(item->picture);
         queue_.done(std::move(*item));

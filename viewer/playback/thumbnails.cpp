@@ -1,13 +1,10 @@
 #include "viewer/playback/thumbnails.hpp"
 
 #include "core/base/named_thread.hpp"
+#include "core/base/thread_priority.hpp"
 #include "core/bus/messages.hpp"
 #include "core/codec/texture_codec.hpp"
 #include "core/recording/moment.hpp"
-
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <map>
@@ -84,8 +81,7 @@ Thumbnails::Thumbnails(std::shared_ptr<const recording::WorldFile> world)
 }
 
 void Thumbnails::make(const std::stop_token& stop) {
-    constexpr int kLowestPriority = 19;
-    ::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), kLowestPriority);
+    lower_thread_priority();
     for (std::size_t i = 0; i < kNum && !stop.stop_requested(); ++i) {
         const auto share = (static_cast<double>(i) + 0.5) / static_cast<double>(kNum);
         const auto time =

@@ -1,13 +1,13 @@
 #include "viewer/record/video_recorder.hpp"
 
 #include "core/app/log.hpp"
+#include "core/base/thread_priority.hpp"
 #include "viewer/record/picture_file.hpp"
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <pthread.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -180,9 +180,7 @@ bool VideoRecorder::write(const renderer::RenderedPicture& picture, std::int64_t
 void VideoRecorder::record(std::stop_token stop) {
     // lower priority than drawing
     constexpr int kNicer = 5;
-    const auto thread = static_cast<id_t>(gettid());
-    static_cast<void>(
-        setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + kNicer));
+    lower_thread_priority(kNicer);
     std::unique_lock lock(mutex_);
     const auto is_offered = [this] { return !waiting_.empty(); };
     offered_.wait(lock, stop, is_offered);
