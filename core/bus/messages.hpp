@@ -13,6 +13,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -52,6 +53,12 @@ struct SiteMesh {
     /// have the frame_id and capture_time of this mesh.
     std::vector<FrameKey> texture_frames{};
 };
+
+/// Names the texture of `mesh.textured_cameras[i]`.
+inline FrameKey texture_frame(const SiteMesh& mesh, std::size_t i) {
+    return mesh.texture_frames.empty() ? FrameKey{mesh.frame_id, mesh.capture_time}
+                                       : mesh.texture_frames[i];
+}
 
 /// The crop of one camera's picture. Every metaframe and each camera that sees somebody, latest
 /// only.

@@ -91,9 +91,7 @@ private:
     bool find_textures(const bus::SiteMesh& mesh, std::vector<KeyedSample>& out) {
         if (!mesh.textured_cameras.empty()) read_textures();
         for (std::size_t i = 0; i < mesh.textured_cameras.size(); ++i) {
-            const bus::FrameKey frame = mesh.texture_frames.empty()
-                                            ? bus::FrameKey{mesh.frame_id, mesh.capture_time}
-                                            : mesh.texture_frames[i];
+            const bus::FrameKey frame = bus::texture_frame(mesh, i);
             const auto found = std::ranges::find_if(textures_, [&](const Texture& texture) {
                 return texture.site == mesh.site && texture.camera == mesh.textured_cameras[i] &&
                        texture.frame == frame;

@@ -66,9 +66,7 @@ std::optional<SiteFrame> SiteFrames::complete(const PlayedSample& sample) {
     frame.description = description_;
     frame.placement = placement_;
     for (std::size_t i = 0; i < mesh->textured_cameras.size(); ++i) {
-        const bus::FrameKey key = mesh->texture_frames.empty()
-                                      ? bus::FrameKey{mesh->frame_id, mesh->capture_time}
-                                      : mesh->texture_frames[i];
+        const bus::FrameKey key = bus::texture_frame(*mesh, i);
         const auto& of_camera = textures_[mesh->textured_cameras[i]];
         const auto found = std::ranges::find_if(of_camera, [&](const bus::CameraTexture& one) {
             return one.frame_id == key.frame_id && one.capture_time == key.capture_time;

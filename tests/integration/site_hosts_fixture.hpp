@@ -195,9 +195,7 @@ protected:
             });
             std::erase_if(pending, [&](const bus::SiteMesh& mesh) {
                 for (std::size_t i = 0; i < mesh.textured_cameras.size(); ++i) {
-                    const bus::FrameKey key = mesh.texture_frames.empty()
-                                                  ? bus::FrameKey{mesh.frame_id, mesh.capture_time}
-                                                  : mesh.texture_frames[i];
+                    const bus::FrameKey key = bus::texture_frame(mesh, i);
                     if (!there.contains(
                             {mesh.textured_cameras[i], key.frame_id, key.capture_time.ns}))
                         return false;

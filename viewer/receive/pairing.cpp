@@ -106,8 +106,7 @@ bool Pairing::keep_waiting(Site& site, bus::CameraTexture texture) {
 }
 
 Pairing::FrameKey Pairing::texture_key(const bus::SiteMesh& mesh, std::size_t index) {
-    if (mesh.texture_frames.empty()) return {mesh.capture_time, mesh.frame_id};
-    const bus::FrameKey& named = mesh.texture_frames[index];
+    const bus::FrameKey named = bus::texture_frame(mesh, index);
     return {named.capture_time, named.frame_id};
 }
 
