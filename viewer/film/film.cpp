@@ -74,8 +74,9 @@ public:
     Expected<void> render(const std::stop_token& stop);
 
 private:
-    // Brings session and scene to that time of the recording.
-    void show(nanoseconds time) {
+    // Brings session and scene to that time of the recording. Waits for models and textures: at
+    // their own pace they would come too late.
+    void show(nanoseconds time, const std::stop_token& stop) {
         while (time_ < time) {
             time_ = std::min(time, time_ + kAdvance);
             player_->advance(time_);
@@ -84,6 +85,7 @@ private:
         SceneChanges changes = session_->take_scene();
         for (auto& [state, arrival] : changes.states) arrival = at(time);
         picture_.scene.update(std::move(changes), at(time), std::nullopt, *picture_.renderer);
+        if (waits_for_files_) waits_for_files_ = picture_.wait_for_files(stop, at(time));
         picture_.people.update(*session_, std::nullopt, at(time), *picture_.renderer);
     }
 
@@ -110,6 +112,7 @@ private:
     std::optional<recording::ViewPath> path_;
     std::optional<StartView> start_view_;
     nanoseconds time_{0};
+    bool waits_for_files_ = true;  // until that took too long once
     renderer::RenderedPicture pixels_;
     cv::Mat small_;
 };
@@ -150,9 +153,7 @@ Expected<void> Film::render(const std::stop_token& stop) {
         return make_error(ErrorKind::kInternal, "the recording's topics have no readers");
     player_->show_now(time_);
     session_->receive_all();
-    show(begin);
-    // Models are read now: at their own time they would come too late.
-    picture_.wait_for_files(stop);
+    show(begin, stop);
     const double length_s = std::chrono::duration<double>(end - begin).count();
     const auto num = static_cast<std::size_t>(std::max(1.0, std::floor(length_s * format.fps)));
     app::Progress progress("picture", num, std::chrono::seconds(2));
@@ -160,7 +161,7 @@ Expected<void> Film::render(const std::stop_token& stop) {
     for (; done < num && !stop.stop_requested(); ++done) {
         const auto time =
             begin + nanoseconds(std::llround(static_cast<double>(done) * 1e9 / format.fps));
-        show(time);
+        show(time, stop);
         picture_.draw(*session_, camera(time), "", at(time), times_);
         if (auto written = write(**video, format); !written) return written;
         if (const auto line = progress.update(done + 1)) app::log::info("film {}", *line);

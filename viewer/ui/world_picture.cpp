@@ -69,16 +69,23 @@ void WorldPicture::update(Session& session, Clock::time_point now, DrawingTimes&
         times.add_people((Clock::now() - people_begin) / num_new);
 }
 
-void WorldPicture::wait_for_files(std::stop_token stop) {
+bool WorldPicture::wait_for_files(const std::stop_token& stop,
+                                  std::optional<Clock::time_point> shown_at) {
     constexpr auto kLongest = std::chrono::seconds(20);
     constexpr auto kPeriod = std::chrono::milliseconds(10);
     const Clock::time_point until = Clock::now() + kLongest;
     while (!scene.is_complete() && !stop.stop_requested()) {
-        if (Clock::now() > until)
-            return app::log::warn("models_not_read; the picture is written without some of them");
+        if (Clock::now() > until) {
+            app::log::warn("models_not_read; the picture is written without some of them");
+            return false;
+        }
         std::this_thread::sleep_for(kPeriod);
-        scene.update({}, Clock::now(), display.instant(Timestamp::now()), *renderer);
+        if (shown_at)
+            scene.update({}, *shown_at, std::nullopt, *renderer);
+        else
+            scene.update({}, Clock::now(), display.instant(Timestamp::now()), *renderer);
     }
+    return true;
 }
 
 void WorldPicture::draw(Session& session,

@@ -40,8 +40,9 @@ struct WorldPicture {
     /// Takes people and objects from the session, as they are to be shown at `now`.
     void update(Session& session, Clock::time_point now, DrawingTimes& times);
     /// Waits for the models and textures that are being read, for a picture that is written. Logs
-    /// if that takes too long.
-    void wait_for_files(std::stop_token stop);
+    /// and returns false if that takes too long. `shown_at`: on a film's clock; empty: now.
+    bool wait_for_files(const std::stop_token& stop,
+                        std::optional<Clock::time_point> shown_at = std::nullopt);
     /// Draws what `update` took. `inside`: person through whose eyes the camera looks; empty:
     /// nobody. `now`: as for `update`.
     void draw(Session& session,
