@@ -1,6 +1,6 @@
 #!/bin/sh
 # Measures what recording costs a site: `bench/record/record_site.sh [BUILD] [SECONDS of each case] [FOLDER to record into]`. Keeps the
-# table with machine and date in bench/results/ and renews the table of docs/recording_rooms.md. Configure BUILD with -DATRIUM_BENCH=ON.
+# table with machine and date in bench/results/ and renews that of docs/measurements/recording.md. Configure BUILD with -DATRIUM_BENCH=ON.
 # The machine should be idle. FOLDER needs 250 MB for each second.
 set -eu
 . "$(dirname "$0")/../common.sh"
@@ -13,5 +13,5 @@ table=$(result record-site.csv)
     echo "$(heading), $(nproc) cores, ${seconds} s each"
     "$build"/bin/record_site "$folder" "$seconds"
 } > "$table"
-python3 bench/record/record_tables.py site "$table" docs/recording_rooms.md
+python3 bench/record/record_tables.py site "$table" docs/measurements/recording.md
 echo "kept in $table"

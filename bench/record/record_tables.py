@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the tables of docs/recording_rooms.md from the results of raw_codecs.sh and record_site.sh.
+"""Renews the tables of docs/measurements/recording.md from the results of raw_codecs.sh and record_site.sh.
 
 usage: record_tables.py codecs|site CSV PAGE    the table goes between <!-- codecs --> and <!-- /codecs -->, or those of "record_site"
 """
