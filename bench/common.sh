@@ -11,5 +11,5 @@ result() {
     echo "bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-$1"
 }
 
-# heading: prints date, machine and score, for the first line of a result
-heading() { echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build")"; }
+# heading: prints date, commit, machine and score, for the first line of a result
+heading() { echo "# $(date -u +%Y-%m-%dT%H:%MZ), commit $(git rev-parse --short=7 HEAD), $machine, $(bench/score.sh "$build")"; }

@@ -15,7 +15,7 @@ stream=${STREAM:-$work/person}
 [ -e "$stream" ] || "$build"/bin/replayed_site --stream "$stream" --code true > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
 out=$(result world-sites.csv)
 {
-    echo "# $(date -u +%Y-%m-%dT%H:%MZ), commit $(git rev-parse --short=7 HEAD), $machine, $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each"
+    echo "$(heading), $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each"
     python3 bench/world/world_sites.py measure "$build" "$stream" "$seconds" ${SITES:-1 2 4}
 } > "$work/table"
 mv "$work/table" "$out"
