@@ -10,7 +10,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
+#include <cmath>
 #include <fstream>
+#include <numbers>
 #include <vector>
 
 namespace atrium::viewer {
@@ -52,6 +54,65 @@ TEST_F(Film, HasEachPictureOfItsOwnTime) {
     ASSERT_EQ(pictures.size(), 14u);
     for (std::size_t i = 0; i < pictures.size(); ++i)
         EXPECT_NEAR(grey_at(pictures[i], 160, 90), luma_of(2 * static_cast<int>(i)), 7) << i;
+}
+
+// An object that comes later has its model from its first picture on, however long that takes.
+TEST_F(Film, WaitsForTheModelsOfLaterObjects) {
+    constexpr int kComes = 36;  // later than what was there before the recorder
+    constexpr int kLast = 45;
+    constexpr int kRing = 300;
+    {
+        std::ofstream model(folder_ / "ball.obj");
+        for (int i = 0; i < kRing; ++i) {
+            for (int k = 0; k < kRing; ++k) {
+                const double a = std::numbers::pi * i / (kRing - 1);
+                const double b = 2.0 * std::numbers::pi * k / kRing;
+                model << "v " << std::sin(a) * std::cos(b) << ' ' << std::sin(a) * std::sin(b)
+                      << ' ' << std::cos(a) << '\n';
+            }
+        }
+        for (int i = 1; i < kRing; ++i) {
+            for (int k = 1; k <= kRing; ++k) {
+                const int row = kRing * i;
+                const int next = k % kRing + 1;
+                model << "f " << row - kRing + k << ' ' << row + k << ' ' << row + next << '\n';
+                model << "f " << row - kRing + k << ' ' << row + next << ' ' << row - kRing + next
+                      << '\n';
+            }
+        }
+    }
+    auto writer = recording::WorldWriter::create(
+        {.file = folder_ / "late.mcap", .world = "recorded", .host = "test", .version = "1"});
+    ASSERT_TRUE(writer) << writer.error().message;
+    write(*writer, test_site::description("alice"), 0);
+    bus::SceneObject ball;
+    ball.object = 1;
+    ball.name = "ball";
+    ball.shape = bus::Shape::kConvex;
+    ball.size_m = {1.0, 1.0, 1.0};
+    ball.colour = {1.0, 0.0, 0.0};
+    ball.model = "ball.obj";
+    ball.model_scale = 0.5;
+    ball.world_from_object.translation = {0.0, 0.0, 1.2};
+    write(*writer, ball, kComes);
+    write(*writer, test_site::description("alice"), kLast);
+    ASSERT_TRUE(writer->finish());
+    ViewerConfig config = this->config();
+    config.recording.file = folder_ / "late.mcap";
+    config.models = folder_;
+    const auto rendered = render_film(config, {});
+    ASSERT_TRUE(rendered) << rendered.error().message;
+    const auto pictures = pictures_of(config.video.file);
+    ASSERT_EQ(pictures.size(), std::size_t{kLast / 2});
+    const auto is_red = [](const cv::Mat& picture, int x, int y) {
+        const auto pixel = picture.at<cv::Vec3b>(y, x);
+        return pixel[2] > pixel[1] + 60;
+    };
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        EXPECT_EQ(is_red(pictures[i], 160, 90), 2 * i >= kComes) << i;
+        // the corner of a box, which stands for a model that is being read
+        EXPECT_FALSE(is_red(pictures[i], 205, 45)) << i;
+    }
 }
 
 TEST_F(Film, IsTheSameEachTime) {

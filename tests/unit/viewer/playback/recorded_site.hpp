@@ -38,14 +38,6 @@ protected:
         }
         ASSERT_TRUE(writer->finish());
     }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-
-    const std::filesystem::path folder_ = std::filesystem::temp_directory_path() /
-                                          ("atrium_recorded_site_" + std::to_string(getpid()));
-    const std::filesystem::path file_ = folder_ / "alice.mcap";
-    const Timestamp begin_{1'700'000'000'000'000'000};
-
-private:
     template <typename Message>
     void write(recording::WorldWriter& writer, const Message& message, int frame) {
         const Timestamp time = begin_ + frame * kPeriod;
@@ -55,6 +47,12 @@ private:
                                   time,
                                   bus::to_cdr(message)}));
     }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    const std::filesystem::path folder_ = std::filesystem::temp_directory_path() /
+                                          ("atrium_recorded_site_" + std::to_string(getpid()));
+    const std::filesystem::path file_ = folder_ / "alice.mcap";
+    const Timestamp begin_{1'700'000'000'000'000'000};
 };
 
 }  // namespace atrium::viewer
