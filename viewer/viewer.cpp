@@ -119,7 +119,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
         session.stop_decoding();
     }
     impl_->update_status(Clock::now());
-    impl_->membership.warn_if_alone(Clock::now(), true);
+    if (!impl_->playback) impl_->membership.warn_if_alone(Clock::now(), true);
     impl_->statistics.log_stopped(impl_->limit ? impl_->limit->frames_per_s() : 0.0,
                                   impl_->session->num_deadlines_missed());
     // also after an error: the picture shows who was there

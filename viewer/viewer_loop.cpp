@@ -180,7 +180,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (now >= status_due) {
             status_due = now + kStatusPeriod;
             update_status(now);
-            membership.warn_if_alone(now, false);
+            if (!playback) membership.warn_if_alone(now, false);
             if (auto sent = session->publish(statistics.status()); !sent)
                 app::log::warn("status_failed {}", sent.error().message);
         }
