@@ -1,5 +1,5 @@
-// Compares what arrives on the bus with a recording, sample by sample: replay_check FILE --world W. Or
-// measures how long jumps take: replay_check FILE --seeks 100. For record_world.sh.
+// Compares what arrives on the bus with a recording, sample by sample: replay_check FILE --world W.
+// Or measures how long jumps take: replay_check FILE --seeks 100. For record_world.sh.
 #include "core/base/fnv1a.hpp"
 #include "core/bus/bus.hpp"
 #include "core/bus/limits.hpp"
@@ -60,9 +60,8 @@ Expected<Topics> received(const bus::BusOptions& options, const Topics& expected
         readers.emplace_back(topic, std::move(*reader));
     }
     const auto all_matched = [&] {
-        return std::ranges::all_of(readers, [](const auto& one) {
-            return one.second->num_writers() > 0;
-        });
+        return std::ranges::all_of(readers,
+                                   [](const auto& one) { return one.second->num_writers() > 0; });
     };
     while (!all_matched()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
     std::printf("ready\n");
@@ -103,8 +102,8 @@ nlohmann::json compare(const Topics& expected, const Topics& got) {
         for (const auto& [key, samples] : instances) {
             num_expected += samples.size();
             const auto topic = got.find(name);
-            const auto found = topic == got.end() ? decltype(topic->second.end()){}
-                                                  : topic->second.find(key);
+            const auto found =
+                topic == got.end() ? decltype(topic->second.end()){} : topic->second.find(key);
             for (const Seen& one : samples) of_file.add(one.hash);
             if (topic == got.end() || found == topic->second.end()) continue;
             num_got += found->second.size();
@@ -121,7 +120,8 @@ nlohmann::json compare(const Topics& expected, const Topics& got) {
     }
     if (times.empty()) return out;
     auto sorted = times;
-    std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
+    std::ranges::nth_element(sorted,
+                             sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
     const std::int64_t middle = sorted[sorted.size() / 2];
     for (const std::int64_t time : times)
         offsets.push_back(std::abs(static_cast<double>(time - middle)) * 1e-6);

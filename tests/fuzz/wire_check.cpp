@@ -5,9 +5,9 @@
 #include "core/bus/names.hpp"
 #include "core/bus/topics.hpp"
 #include "core/bus/wire.hpp"
-#include "tests/support/cdr_type.hpp"
 #include "tests/fuzz/wire_input.hpp"
 #include "tests/fuzz/wire_promises.hpp"
+#include "tests/support/cdr_type.hpp"
 #include "tests/unit/bus/random_messages.hpp"
 
 #include <algorithm>
