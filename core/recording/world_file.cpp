@@ -13,8 +13,6 @@
 namespace atrium::recording {
 namespace {
 
-constexpr std::size_t kMaxKeptBytes = std::size_t{512} << 20U;
-
 const mcap::Metadata* own_metadata(const mcap::File& file) {
     const auto& all = file.contents().metadata;
     const auto own = std::ranges::find(all, "atrium", &mcap::Metadata::name);
@@ -55,12 +53,13 @@ RecordedChannel channel_named(std::string_view topic) {
 
 }  // namespace
 
-Expected<std::shared_ptr<const WorldFile>> WorldFile::open(const std::filesystem::path& path) {
+Expected<std::shared_ptr<const WorldFile>> WorldFile::open(const std::filesystem::path& path,
+                                                           std::size_t max_kept_bytes) {
     auto file = mcap::File::open(path);
     if (!file) return tl::unexpected(file.error());
     std::shared_ptr<WorldFile> world(new WorldFile(std::move(*file)));
     if (auto read = world->read_channels(); !read) return tl::unexpected(read.error());
-    world->read_kept();
+    world->read_kept(max_kept_bytes);
     return world;
 }
 
@@ -100,18 +99,22 @@ Expected<void> WorldFile::read_channels() {
 }
 
 // Damaged chunks are left out here; playing them tells.
-void WorldFile::read_kept() {
+void WorldFile::read_kept(std::size_t max_bytes) {
     const auto& chunks = file_.contents().chunks;
     std::size_t num_bytes = 0;
     std::set<std::string> sites;
     std::map<std::string, RecordedProgram> programs;
-    for (std::size_t i = 0; i < chunks.size() && num_bytes < kMaxKeptBytes; ++i) {
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
         const auto& indexes = chunks[i].message_indexes;  // none: it has to be looked into
         const bool may_have = indexes.empty() || std::ranges::any_of(indexes, [&](const auto& one) {
                                   const RecordedChannel known = channel(one.first);
                                   return known.topic != nullptr && is_kept(*known.topic);
                               });
         if (!may_have) continue;
+        if (num_bytes >= max_bytes) {
+            kept_until_ = chunks[i].first;
+            break;
+        }
         auto read = file_.read(i);
         if (!read) continue;
         std::vector<std::size_t> chosen;
@@ -162,6 +165,13 @@ std::vector<std::string> WorldFile::warnings() const {
                         name,
                         file_.fault(),
                         name));
+    }
+    if (kept_until_ != Timestamp{}) {
+        lines.push_back(
+            fmt::format("too_much_kept file={} from_s={:.1f}: descriptions, placements and models "
+                        "from then on are left out; record with --cut_s",
+                        name,
+                        std::chrono::duration<double>(kept_until_ - begin_).count()));
     }
     if (!foreign_topics_.empty()) {
         lines.push_back(fmt::format(

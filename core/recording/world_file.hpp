@@ -40,8 +40,12 @@ struct RecordedProgram {
 /// A recording of a world, opened for reading. Thread-safe after `open`.
 class WorldFile {
 public:
-    /// As mcap::File::open; kInvalidData also if no channel is one of Atrium.
-    static Expected<std::shared_ptr<const WorldFile>> open(const std::filesystem::path& file);
+    static constexpr std::size_t kMaxKeptBytes = std::size_t{512} << 20U;
+
+    /// As mcap::File::open; kInvalidData also if no channel is one of Atrium. Kept samples stay in
+    /// memory: chunks of them beyond `max_kept_bytes` are left out, and `warnings` says so.
+    static Expected<std::shared_ptr<const WorldFile>> open(
+        const std::filesystem::path& file, std::size_t max_kept_bytes = kMaxKeptBytes);
 
     const mcap::File& file() const { return file_; }
     std::string world() const;    // its name; "atrium" if the file does not say
@@ -58,12 +62,12 @@ public:
     const std::vector<std::string>& foreign_topics() const { return foreign_topics_; }
 
     /// What a user of it should know, each a line of the log: it is still written, it is cut off,
-    /// or it has topics of another version.
+    /// it has more kept samples than are read, or topics of another version.
     std::vector<std::string> warnings() const;
 
     RecordedChannel channel(std::uint16_t id) const;
 
-    /// All samples of topics that are kept (`is_kept`), by time, with their keys.
+    /// Samples of topics that are kept (`is_kept`), by time, with their keys.
     struct Kept {
         PlayedSample sample;
         std::string key;
@@ -73,7 +77,7 @@ public:
 private:
     explicit WorldFile(mcap::File file) : file_(std::move(file)) {}
     Expected<void> read_channels();
-    void read_kept();
+    void read_kept(std::size_t max_bytes);
 
     mcap::File file_;
     Timestamp begin_;
@@ -81,6 +85,7 @@ private:
     std::map<std::uint16_t, RecordedChannel> channels_;
     std::vector<std::string> foreign_topics_;
     std::vector<Kept> kept_;
+    Timestamp kept_until_;  // if not zero, those of later chunks were left out
     std::vector<std::string> sites_;
     std::vector<RecordedProgram> programs_;
 };

@@ -211,6 +211,27 @@ TEST_F(WorldWriterTest, TellsTopicsOfAnotherVersion) {
     EXPECT_EQ(all_samples(world).size(), 1u);
 }
 
+TEST_F(WorldWriterTest, SaysWhatItLeavesOutOfTooMuchKept) {
+    auto writer = value(mcap::Writer::create(folder_ / "a.mcap", 1));
+    ASSERT_TRUE(writer.add(mcap::Channel{0, "SiteDescription", "cdr", {}}));
+    const Recorded one = recorded(description("alice"), kBegin);
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        const Timestamp time = kBegin + std::chrono::seconds(i);
+        writer.write(0, {0, i, time, time, one.cdr});
+        ASSERT_TRUE(writer.flush(0));
+    }
+    ASSERT_TRUE(writer.finish());
+    const auto whole = value(WorldFile::open(folder_ / "a.mcap"));
+    EXPECT_EQ(whole->kept().size(), 4u);
+    EXPECT_THAT(whole->warnings(),
+                ::testing::Not(::testing::Contains(::testing::HasSubstr("too_much_kept"))));
+    const auto cut =
+        value(WorldFile::open(folder_ / "a.mcap", one.cdr.size() + sizeof(WorldFile::Kept) + 1));
+    EXPECT_EQ(cut->kept().size(), 2u);
+    EXPECT_THAT(cut->warnings(),
+                ::testing::Contains(::testing::ContainsRegex("^too_much_kept .* from_s=2.0: ")));
+}
+
 // The chunks of other programs (`mcap filter`, `mcap merge`) mix all topics.
 TEST_F(WorldWriterTest, ReadsWhatIsKeptFromMixedChunks) {
     auto writer = value(mcap::Writer::create(folder_ / "a.mcap", 1));
