@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -123,6 +125,15 @@ protected:
         is_good_ = control(options_, [&](const std::string& line) { said.push_back(line); });
         return said;
     }
+    // A program that was started has not written its log yet.
+    std::vector<std::string> logs_when_they_have(const std::string& line) {
+        const auto give_up = std::chrono::steady_clock::now() + kPatience;
+        auto logs = lines(Command::kLogs);
+        while (std::ranges::find(logs, line) == logs.end() &&
+               std::chrono::steady_clock::now() < give_up)
+            logs = lines(Command::kLogs);
+        return logs;
+    }
 
     fs::path folder_;
     ControlOptions options_;
@@ -136,7 +147,7 @@ TEST_F(Control, StartsShowsAndEndsThePrograms) {
     EXPECT_TRUE(is_good_);
     EXPECT_THAT(lines(Command::kUp), Contains(StartsWith("right: runs camera_node ")))
         << "not twice";
-    const auto logs = lines(Command::kLogs);
+    const auto logs = logs_when_they_have("left: 2026 warning camera_node something");
     EXPECT_THAT(logs, Contains(HasSubstr("--host left")));
     EXPECT_THAT(logs, Contains("left: # it's a $rig")) << "the rig lies where the file says";
     const auto status = lines(Command::kStatus);
