@@ -102,10 +102,18 @@ void ThreadPool::add_priority(int change) {
 void ThreadPool::work(std::size_t worker) {
     std::unique_lock lock(mutex_);
     for (;;) {
-        start_.wait(
-            lock, [this] { return is_stopping_ || urgent_.has_task() || background_.has_task(); });
+        // Looks at each round once: its last task may be taken at any time. Who enters a round
+        // without a task may still be inside when the next one begins.
+        Round* round = nullptr;
+        start_.wait(lock, [&] {
+            if (urgent_.has_task())
+                round = &urgent_;
+            else if (background_.has_task())
+                round = &background_;
+            return is_stopping_ || round != nullptr;
+        });
         if (is_stopping_) return;
-        enter(urgent_.has_task() ? urgent_ : background_, worker, lock);
+        enter(*round, worker, lock);
     }
 }
 
