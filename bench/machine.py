@@ -102,3 +102,16 @@ def commit(tree=ROOT):
         return "unknown", True
     changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!README.md", ":!bench/results", ":!docs", tree=tree)
     return short, changed != ""
+
+
+def origin(build):
+    """Where and when a result was measured: {"date", "commit" (with + if files are changed), "machine", "cores", "score"}."""
+    short, is_changed = commit()
+    return {"date": today().strftime("%Y-%m-%dT%H:%MZ"), "commit": short + ("+" if is_changed else ""), "machine": name(), "cores": num_cores(),
+            "score": score(build)}
+
+
+def origin_line(origin_of_result):
+    """The same for the line below a table."""
+    one = origin_of_result
+    return f"{one['date']}, commit {one['commit']}, {one['machine']}, score {one['score']['one_core']['score']:.0f}"

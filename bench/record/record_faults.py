@@ -3,12 +3,14 @@
 
 import argparse
 import collections
+import glob
 import json
 import os
 import random
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -136,6 +138,45 @@ def kills(bench, num):
             "ok": all(run["ok"] and run["damaged_chunks"] == 0 for run in runs)}
 
 
+def picture_times_of(path):
+    """Capture times of the whole pictures of a room's frames.raw: docs/recording_rooms.md."""
+    times = []
+    with open(path, "rb") as file:
+        file.seek(struct.unpack_from("<I", file.read(48), 28)[0], os.SEEK_CUR)
+        while len(head := file.read(40)) == 40:
+            if head[:8] != b"PICTURE\n":
+                sys.exit(f"{path}: no picture where one should begin")
+            size, time_ns = struct.unpack_from("<Iq", head, 12)
+            if len(file.read(size)) < size:
+                break
+            times.append(time_ns)
+    return times
+
+
+def kill_room_once(bench, number, chance):
+    folder = bench.path(f"room{number}")
+    site = bench.start(["site_node", "--config", "deploy/sites/alice.toml", "--world", f"{WORLD}-room", "--record", folder],
+                       f"room{number}.log")
+    files = lambda: glob.glob(os.path.join(folder, "*", "frames.raw"))  # noqa: E731
+    wait_until(lambda: files() and all(os.path.getsize(file) > 200_000 for file in files()), "a room's recording that grows")
+    time.sleep(chance.uniform(0.0, 2.0))
+    killed_ns = time.time_ns()
+    bench.stop(site, signal.SIGKILL)
+    times = {file: picture_times_of(file) for file in files()}
+    replay = subprocess.run([os.path.join(bench.programs, "site_node"), "--site.name", "room", "--world", f"{WORLD}-room", "--rate", "0",
+                             "--recording", folder], capture_output=True, text=True, check=False, cwd=ROOT, timeout=120)
+    shutil.rmtree(folder)
+    return {"loss_s": max(killed_ns - each[-1] for each in times.values()) * 1e-9, "pictures": sum(map(len, times.values())),
+            "ok": replay.returncode == 0 and all(each == sorted(each) for each in times.values())}
+
+
+def room_kills(bench, num):
+    chance = random.Random(23)
+    runs = [kill_room_once(bench, number, chance) for number in range(num)]
+    return {"runs": runs, "least_loss_s": min(run["loss_s"] for run in runs), "worst_loss_s": max(run["loss_s"] for run in runs),
+            "ok": all(run["ok"] for run in runs)}
+
+
 def full_disk(bench):
     if subprocess.run(["unshare", "-rm", "true"], capture_output=True, check=False).returncode != 0:
         raise Skipped("no mount namespaces")
@@ -220,8 +261,7 @@ def main():
     parser.add_argument("--source", help="a recording of two sites; without it, one is made")
     parser.add_argument("--out", help="file for the figures, JSON")
     arguments = parser.parse_args()
-    results = {"machine": machine.name(), "cores": machine.num_cores(), "date": machine.today().strftime("%Y-%m-%d %H:%MZ"),
-               "commit": machine.commit()[0], "promised_loss_s": PROMISED_LOSS_S}
+    results = {"promised_loss_s": PROMISED_LOSS_S}
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(os.path.abspath(arguments.bin), folder)
         try:
@@ -231,7 +271,7 @@ def main():
             bench.start(["play", source, "--loop", "--world", WORLD], "play.log")
             time.sleep(2)
             for name, measure in (("kill", lambda: kills(bench, arguments.kills)), ("full_disk", lambda: full_disk(bench)),
-                                  ("standing_disk", lambda: standing_disk(bench)), ("clock_set_back", lambda: clock_set_back(bench))):
+                                  ("room_kill", lambda: room_kills(bench, arguments.kills)), ("standing_disk", lambda: standing_disk(bench)), ("clock_set_back", lambda: clock_set_back(bench))):
                 try:
                     results[name] = measure()
                 except Skipped as reason:
@@ -241,6 +281,7 @@ def main():
             bench.stop_all()
             shutil.rmtree(os.path.join(folder, "full"), ignore_errors=True)
     if arguments.out:
+        results["origin"] = machine.origin(os.path.dirname(bench.programs))
         with open(arguments.out, "w", encoding="utf-8") as stream:
             json.dump(results, stream, indent=1)
             stream.write("\n")

@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""Renews the tables of docs/measurements/recording.md from the results of raw_codecs.sh and record_site.sh.
+"""Renews the tables of docs/measurements/recording.md from the results of raw_codecs.sh, record_site.sh and record_faults.sh.
 
-usage: record_tables.py codecs|site CSV PAGE    the table goes between <!-- codecs --> and <!-- /codecs -->, or those of "record_site"
+usage: record_tables.py codecs|site|faults RESULT PAGE    the table goes between <!-- NAME --> and <!-- /NAME -->, NAME being
+                                                          codecs, record_site or record_faults
 """
 
+import json
 import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+import machine
 from page_table import put_table, read_numbers
 
 
@@ -39,7 +42,27 @@ def site(path, page):
     put_table(page, "record_site", lines, comment)
 
 
+def faults(path, page):
+    with open(path, encoding="utf-8") as file:
+        result = json.load(file)
+    rows = []
+    for name, fault in (("kill", "`record` is killed"), ("room_kill", "a site with `--record` is killed")):
+        lost_ms = [run["loss_s"] * 1e3 for run in result[name]["runs"]]
+        rows.append([f"{fault}, {len(lost_ms)} times", f"lost: the last {min(lost_ms):.0f} to {max(lost_ms):.0f} ms"])
+    described = {
+        "full_disk": ("a disk of 8 MB gets full", "exit code {exit}; {samples} samples, all whole; {dropped} dropped"),
+        "standing_disk": ("the disk stands still for 5 s, `--buffer_mb 1`", "{dropped} samples dropped, {dropped_in_log} according to the log"),
+        "clock_set_back": ("the clock is set back by 1 h", "times go on, without a gap of more than {longest_gap_s:.2f} s")}
+    for name, (fault, text) in described.items():
+        figures = result[name]
+        rows.append([fault, f"not measured: {figures['skipped']}" if "skipped" in figures else text.format(**figures)])
+    lines = ["| fault | result |", "|---|---|"] + ["| " + " | ".join(row) + " |" for row in rows]
+    put_table(page, "record_faults", lines, machine.origin_line(result["origin"]))
+
+
+TABLES = {"codecs": codecs, "site": site, "faults": faults}
+
 if __name__ == "__main__":
-    if len(sys.argv) != 4 or sys.argv[1] not in ("codecs", "site"):
+    if len(sys.argv) != 4 or sys.argv[1] not in TABLES:
         sys.exit(__doc__)
-    (codecs if sys.argv[1] == "codecs" else site)(sys.argv[2], sys.argv[3])
+    TABLES[sys.argv[1]](sys.argv[2], sys.argv[3])

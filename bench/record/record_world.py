@@ -80,10 +80,7 @@ def main():
         file, cost = record(folder, binaries, options.seconds)
         played = replay(file, binaries)
         seeks = json.loads(subprocess.check_output([f"{binaries}/replay_check", file, "--seeks", "100"], text=True))
-    commit, is_changed = machine.commit()
-    origin = {"date": machine.today().strftime("%Y-%m-%dT%H:%MZ"), "commit": commit + ("+" if is_changed else ""), "machine": machine.name(),
-              "score": machine.score(options.build)}
-    result = {"origin": origin, "seconds": options.seconds, "record": cost, "play": played, "seek": seeks}
+    result = {"origin": machine.origin(options.build), "seconds": options.seconds, "record": cost, "play": played, "seek": seeks}
     with open(options.out, "w", encoding="utf-8") as out:
         json.dump(result, out, indent=1)
     different = [name for name, topic in played["topics"].items() if not topic["hashes_equal"]]
@@ -97,8 +94,7 @@ def main():
             f"| times | off by {played['time_error_ms']['median']:.2f} ms (median), {played['time_error_ms']['p99']:.2f} ms (p99) |",
             f"| 100 random jumps | {seeks['median_ms']:.0f} ms (median), {seeks['p90_ms']:.0f} ms (p90), {seeks['max_ms']:.0f} ms (longest) |"]
     if os.path.exists(PAGE):
-        comment = f"{origin['date']}, commit {origin['commit']}, {origin['machine']}, score {origin['score']['one_core']['score']:.0f}"
-        page_table.put_table(PAGE, "record-world", rows, comment)
+        page_table.put_table(PAGE, "record-world", rows, machine.origin_line(result["origin"]))
     print("\n".join(rows))
 
 
