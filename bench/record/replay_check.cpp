@@ -23,6 +23,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kIdle{5};
+// A reader knows its writers before they know it, and they send nothing to it until then.
+constexpr std::chrono::seconds kUntilWritersKnow{2};
 
 struct Seen {
     std::uint64_t hash = 0;
@@ -64,6 +66,7 @@ Expected<Topics> received(const bus::BusOptions& options, const Topics& expected
                                    [](const auto& one) { return one.second->num_writers() > 0; });
     };
     while (!all_matched()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    std::this_thread::sleep_for(kUntilWritersKnow);
     std::printf("ready\n");
     std::fflush(stdout);
     Topics topics;
