@@ -58,9 +58,10 @@ def replay(file, binaries):
     player = subprocess.Popen([f"{binaries}/play", file, "--paused", "--world", "replay"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL, text=True)
     checker = subprocess.Popen([f"{binaries}/replay_check", file], stdout=subprocess.PIPE, text=True)
-    assert checker.stdout.readline() == "ready\n"
-    player.stdin.write('{"do": "play"}\n')
-    player.stdin.flush()
+    for answer, order in (("matched\n", '{"do": "seek", "time_s": 0}\n'), ("ready\n", '{"do": "play"}\n')):
+        assert checker.stdout.readline() == answer
+        player.stdin.write(order)
+        player.stdin.flush()
     found = json.loads(checker.stdout.readline())
     player.stdin.close()
     end([player])

@@ -23,8 +23,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kIdle{5};
-// A reader knows its writers before they know it, and they send nothing to it until then.
-constexpr std::chrono::seconds kUntilWritersKnow{2};
+// Meanwhile the writers learn of their readers, and the player goes to the begin of the file: in
+// pause it shows the first whole frame.
+constexpr std::chrono::seconds kToTheBegin{2};
 
 struct Seen {
     std::uint64_t hash = 0;
@@ -66,7 +67,10 @@ Expected<Topics> received(const bus::BusOptions& options, const Topics& expected
                                    [](const auto& one) { return one.second->num_writers() > 0; });
     };
     while (!all_matched()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    std::this_thread::sleep_for(kUntilWritersKnow);
+    std::printf("matched\n");
+    std::fflush(stdout);
+    std::this_thread::sleep_for(kToTheBegin);
+    for (auto& [topic, reader] : readers) reader->take([](const bus::RawSample&) {});
     std::printf("ready\n");
     std::fflush(stdout);
     Topics topics;
