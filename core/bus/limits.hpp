@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/base/valid_name.hpp"
+
 #include <cstddef>
 #include <cstdint>
 
@@ -9,7 +11,7 @@ namespace atrium::bus {
 
 // Cyclone uses the ports from 7400 + 250 * domain; above this domain they exceed 65535.
 inline constexpr std::uint32_t kMaxDomain = 230;
-inline constexpr std::size_t kMaxNameLength = 63;
+using atrium::kMaxNameLength;
 inline constexpr std::size_t kMaxCamerasPerSite = 64;
 inline constexpr std::size_t kMaxCodedBytes = 8U << 20U;   // 30 times the largest expected sample
 inline constexpr std::size_t kMaxContours = 2000;          // of a CameraSilhouette, as in hulls

@@ -5,25 +5,12 @@
 #include <algorithm>
 
 namespace atrium::bus {
-namespace {
-
-bool is_allowed_in_names(char c) {
-    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' ||
-           c == '.' || c == '-';
-}
-
-}  // namespace
-
-bool is_valid_name(std::string_view name) {
-    return !name.empty() && name.size() <= kMaxNameLength &&
-           std::all_of(name.begin(), name.end(), is_allowed_in_names);
-}
 
 bool is_valid_model_file(std::string_view file) {
     if (file.empty() || file.size() > kMaxModelFileLength) return false;
     bool begins_part = true;
     for (const char c : file) {
-        if (c != '/' && !is_allowed_in_names(c)) return false;
+        if (c != '/' && !is_name_character(c)) return false;
         if (begins_part && (c == '/' || c == '.')) return false;
         begins_part = c == '/';
     }

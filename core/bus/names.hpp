@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/valid_name.hpp"
 #include "core/bus/messages.hpp"
 
 #include <string>
@@ -8,8 +9,7 @@
 /// Checks names and texts that appear in messages and in world files.
 namespace atrium::bus {
 
-/// True for 1..63 characters of [A-Za-z0-9_.-].
-bool is_valid_name(std::string_view name);
+using atrium::is_valid_name;
 
 /// True for a relative path of 1..127 characters of [A-Za-z0-9_.-/] without a component that is
 /// empty or begins with a dot. The path cannot leave the folder that it is appended to.

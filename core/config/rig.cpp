@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <optional>
 
 namespace atrium::config {
@@ -140,13 +139,6 @@ std::optional<Error> find_foreign(const std::filesystem::path& path) {
 }
 
 }  // namespace
-
-bool is_valid_name(const std::string& name) {
-    return !name.empty() && name.size() <= 63 &&
-           std::all_of(name.begin(), name.end(), [](unsigned char c) {
-               return std::isalnum(c) != 0 || c == '_' || c == '.' || c == '-';
-           });
-}
 
 std::uint64_t fingerprint(const Rig& rig) {
     Fnv1a hash;

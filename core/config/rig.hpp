@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "core/base/valid_name.hpp"
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/pinhole_camera.hpp"
 
@@ -35,7 +36,6 @@ Expected<Rig> load_rig(const std::filesystem::path& path);
 /// The same for equal cameras, on any host: names, sizes, lenses and poses, to single precision.
 std::uint64_t fingerprint(const Rig& rig);
 
-/// True for a valid name of a site, camera, world or sender: 1..63 characters of [A-Za-z0-9_.-].
-bool is_valid_name(const std::string& name);
+using atrium::is_valid_name;
 
 }  // namespace atrium::config

@@ -15,7 +15,7 @@ namespace atrium::doctor {
 namespace {
 
 // Of Debian 12. The name of a library does not give that of its package.
-constexpr std::array<std::pair<const char*, const char*>, 28> kPackages{
+constexpr std::array<std::pair<const char*, const char*>, 29> kPackages{
     {{"libEGL.so.1", "libegl1 libegl-mesa0"},
      {"libGL.so.1", "libgl1"},
      {"libOSMesa.so.8", "libosmesa6"},
@@ -26,6 +26,7 @@ constexpr std::array<std::pair<const char*, const char*>, 28> kPackages{
      {"libavformat.so.59", "libavformat59"},
      {"libavutil.so.57", "libavutil57"},
      {"libceres.so.3", "libceres3"},
+     {"libcrypto.so.3", "libssl3"},
      {"libddsc.so.0debian", "libddsc0debian"},
      {"libdraco.so.7", "libdraco7"},
      {"libfmt.so.9", "libfmt9"},
