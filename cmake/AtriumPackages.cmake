@@ -74,6 +74,7 @@ atrium_command(doctor doctor atrium-tools)
 if(TARGET graphics_probe) # the doctor asks it whether EGL draws
     install(TARGETS graphics_probe RUNTIME DESTINATION ${atrium_bin} COMPONENT atrium-tools)
 endif()
+atrium_command(keys keys atrium-tools)
 atrium_command(plan plan atrium-tools)
 atrium_command(record record atrium-tools)
 atrium_command(play play atrium-tools)

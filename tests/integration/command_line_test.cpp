@@ -62,6 +62,7 @@ TEST_F(CommandLine, NetworkFileErrorIsNamedBeforeTheRoomOpens) {
 TEST_F(CommandLine, EveryProgramPrintsHelpAndVersion) {
     for (const std::string program : {"site_node",
                                       "camera_node",
+                                      "keys",
                                       "plan",
                                       "site_control",
                                       "world_server",
@@ -87,8 +88,16 @@ TEST_F(CommandLine, EveryProgramPrintsHelpAndVersion) {
 }
 
 TEST_F(CommandLine, FrontCommandRunsEveryTool) {
-    for (const std::string command :
-         {"demo", "monitor", "record", "play", "export", "plan", "cameras", "hull", "doctor"}) {
+    for (const std::string command : {"demo",
+                                      "monitor",
+                                      "record",
+                                      "play",
+                                      "export",
+                                      "keys",
+                                      "plan",
+                                      "cameras",
+                                      "hull",
+                                      "doctor"}) {
         const Outcome help = run("atrium help " + command);
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_THAT(help.output, HasSubstr("--version")) << command;

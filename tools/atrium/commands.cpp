@@ -44,7 +44,7 @@ tl::unexpected<Error> unknown_command(const std::string& name, const fs::path& f
 }  // namespace
 
 std::span<const Command> shipped_commands() {
-    static const std::array<Command, 18> commands{
+    static const std::array<Command, 19> commands{
         {{"site", "capture a room and publish the people in it"},
          {"camera", "run the cameras of one host of a room on several hosts"},
          {"world", "run the physics of a world"},
@@ -61,6 +61,7 @@ std::span<const Command> shipped_commands() {
          {"down", "end the programs of a site on all its hosts"},
          {"status", "say which programs of a site run, host by host"},
          {"logs", "print the logs of a site, host by host"},
+         {"keys", "make and check the keys with which members join a closed world"},
          {"hull", "compute one visual hull from files"},
          {"doctor", "say what is wrong on this host, and the command that mends it"}}};
     return commands;

@@ -1,0 +1,247 @@
+#include "tools/keys/commands.hpp"
+
+#include "core/config/spelling.hpp"
+#include "core/keys/private_file.hpp"
+#include "tools/keys/find_store.hpp"
+#include "tools/keys/listing.hpp"
+
+#include <fmt/format.h>
+
+namespace atrium::keys_tool {
+namespace {
+
+namespace fs = std::filesystem;
+using keys::Entry;
+using keys::KeyStore;
+using keys::Kind;
+using keys::Member;
+using keys::Rights;
+using keys::State;
+
+Expected<KeyStore> open_store(const Options& options, KeyStore::Access access) {
+    const auto folder = find_store(options.keys);
+    if (!folder) return tl::unexpected(folder.error());
+    return KeyStore::open(*folder, access);
+}
+
+tl::unexpected<Error> missing(const std::string& what) {
+    return make_error(ErrorKind::kConfiguration, what);
+}
+
+// A command to copy, for the same store.
+std::string command(const Options& options, const std::string& rest) {
+    const std::string folder =
+        options.keys.empty() ? "" : fmt::format(" --keys '{}'", options.keys.string());
+    return "atrium keys " + rest + folder;
+}
+
+std::string export_command(const Options& options, const std::string& name, const char* more = "") {
+    return command(options, fmt::format("export {} -o {}.bundle{}", name, name, more));
+}
+
+std::string described(const Entry& entry) {
+    const std::string rights = shown_rights(entry.member);
+    return keys::describe(entry.member) + (rights == "-" ? "" : " with the rights " + rights) +
+           ", valid until " + keys::day_text(entry.validity.end);
+}
+
+Expected<std::optional<Rights>> rights_of(const Options& options) {
+    if (!options.rights) return std::optional<Rights>();
+    return keys::parse_rights(*options.rights).map([](Rights rights) {
+        return std::optional(rights);
+    });
+}
+
+// Bundles carry the list of revoked certificates: what to do with those of all others.
+std::string spread_list(const Options& options,
+                        const KeyStore& store,
+                        const std::string& except,
+                        Timestamp now) {
+    const auto entries = store.entries(now);
+    if (!entries) return {};
+    std::string commands;
+    for (const Entry& entry : *entries) {
+        const bool is_used = entry.state == State::kValid || entry.state == State::kExpiresSoon;
+        if (is_used && entry.member.name != except)
+            commands += "  " + export_command(options, entry.member.name, " --replace") + "\n";
+    }
+    if (commands.empty()) return {};
+    return "The others refuse the old key when they have the new list of revoked keys. Export "
+           "their "
+           "bundles again, copy them to their hosts and start the programs there again:\n" +
+           commands;
+}
+
+std::string days_left(Timestamp end, Timestamp now) {
+    const auto days = (end - now) / std::chrono::hours(24);
+    return fmt::format("{} day{}", days, days == 1 ? "" : "s");
+}
+
+Outcome check_store(const fs::path& folder, const Options& options, Timestamp now) {
+    const std::vector<std::string> problems = keys::problems_of_store(folder, now);
+    std::string text;
+    for (const std::string& problem : problems) text += problem + "\n";
+    if (!problems.empty()) return {text, 1};
+    const auto store = KeyStore::open(folder, KeyStore::Access::kRead);
+    if (!store) return {store.error().message + "\n", 1};
+    const auto entries = store->entries(now);
+    if (!entries) return {entries.error().message + "\n", 1};
+    for (const Entry& entry : *entries) {
+        if (entry.state != State::kExpiresSoon && entry.state != State::kExpired) continue;
+        text += fmt::format("{}: {} ({}); run `{}`\n",
+                            keys::describe(entry.member),
+                            keys::state_text(entry.state),
+                            keys::day_text(entry.validity.end),
+                            command(options, "renew " + entry.member.name));
+    }
+    text +=
+        fmt::format("{}: the keys of world {} are sound; {} member{}, the authorities until {}\n",
+                    folder.string(),
+                    store->world(),
+                    entries->size(),
+                    entries->size() == 1 ? "" : "s",
+                    keys::day_text(store->end()));
+    return {text, 0};
+}
+
+}  // namespace
+
+Expected<Outcome> init(const Options& options, Timestamp now) {
+    if (options.name.empty()) return missing("WORLD is missing: the name of the world");
+    if (auto fine = keys::check_key_name(options.name, "the world"); !fine)
+        return tl::unexpected(fine.error());
+    const fs::path folder = options.keys.empty() ? fs::path(options.name + ".keys") : options.keys;
+    const auto store =
+        KeyStore::create(folder, options.name, options.days.value_or(keys::kAuthorityDays), now);
+    if (!store) return tl::unexpected(store.error());
+    return Outcome{
+        fmt::format("made the keys of world {} in {}, valid until {}\n"
+                    "Keep the folder secret, and a copy of it elsewhere: without it no "
+                    "member can be added, renewed or revoked.\n"
+                    "next: {}\n",
+                    options.name,
+                    folder.string(),
+                    keys::day_text(store->end()),
+                    command(options, "add site NAME, add viewer NAME, add world"))};
+}
+
+Expected<Outcome> add(const Options& options, Timestamp now) {
+    const auto kind = keys::find_kind(options.kind);
+    if (options.kind.empty()) return missing("KIND is missing: site, viewer, world or monitor");
+    if (!kind)
+        return missing("KIND: " + config::must_be_one_of({"site", "viewer", "world", "monitor"},
+                                                         options.kind));
+    if (options.name.empty() && *kind != Kind::kWorld)
+        return missing(fmt::format("NAME is missing: that of the {}", options.kind));
+    const auto rights = rights_of(options);
+    if (!rights) return tl::unexpected(rights.error());
+    auto store = open_store(options, KeyStore::Access::kWrite);
+    if (!store) return tl::unexpected(store.error());
+    Member member{store->world(), *kind, options.name, {}};
+    if (member.name.empty()) member.name = store->world();
+    if (*kind == Kind::kViewer) member.rights = {keys::Right::kGrab, keys::Right::kPush};
+    if (*rights) member.rights = **rights;
+    const auto entry = store->add(member, options.days.value_or(keys::kMemberDays), now);
+    if (!entry) return tl::unexpected(entry.error());
+    return Outcome{fmt::format(
+        "added {}\nnext: {}\n", described(*entry), export_command(options, member.name))};
+}
+
+Expected<Outcome> list(const Options& options, Timestamp now) {
+    const auto store = open_store(options, KeyStore::Access::kRead);
+    if (!store) return tl::unexpected(store.error());
+    const auto entries = store->entries(now);
+    if (!entries) return tl::unexpected(entries.error());
+    return Outcome{options.json ? list_json(store->world(), *entries)
+                                : list_text(store->world(), *entries)};
+}
+
+Expected<Outcome> revoke(const Options& options, Timestamp now) {
+    if (options.name.empty()) return missing("NAME is missing: that of a member");
+    const auto reason = keys::find_reason(options.reason);
+    if (!reason || *reason == keys::Reason::kReplaced)
+        return missing("reason: " + config::must_be_one_of({"lost", "left"}, options.reason));
+    auto store = open_store(options, KeyStore::Access::kWrite);
+    if (!store) return tl::unexpected(store.error());
+    const auto entry = store->revoke(options.name, *reason, now);
+    if (!entry) return tl::unexpected(entry.error());
+    return Outcome{fmt::format("revoked {} ({})\n{}A new key for it: {}\n",
+                               keys::describe(entry->member),
+                               keys::reason_text(*reason),
+                               spread_list(options, *store, options.name, now),
+                               command(options, "renew " + options.name))};
+}
+
+Expected<Outcome> renew(const Options& options, Timestamp now) {
+    if (options.name.empty()) return missing("NAME is missing: that of a member");
+    const auto rights = rights_of(options);
+    if (!rights) return tl::unexpected(rights.error());
+    auto store = open_store(options, KeyStore::Access::kWrite);
+    if (!store) return tl::unexpected(store.error());
+    const auto entry =
+        store->renew(options.name, *rights, options.days.value_or(keys::kMemberDays), now);
+    if (!entry) return tl::unexpected(entry.error());
+    return Outcome{fmt::format("renewed {}\nnext: {}\n{}",
+                               described(*entry),
+                               export_command(options, options.name, " --replace"),
+                               spread_list(options, *store, options.name, now))};
+}
+
+Expected<Outcome> export_bundle(const Options& options, Timestamp now) {
+    if (options.name.empty()) return missing("NAME is missing: that of a member");
+    if (options.output.empty()) return missing("-o is missing: the file to write");
+    const auto store = open_store(options, KeyStore::Access::kRead);
+    if (!store) return tl::unexpected(store.error());
+    const auto bundle = store->bundle(options.name);
+    if (!bundle) return tl::unexpected(bundle.error());
+    if (const auto usable = keys::check(*bundle, now); !usable)
+        return make_error(usable.error().kind,
+                          keys::describe(bundle->member) + ": " + usable.error().message);
+    const auto existing = options.replace ? keys::Existing::kReplace : keys::Existing::kKeep;
+    if (auto written =
+            keys::write_private_file(options.output, keys::bundle_text(*bundle), existing);
+        !written)
+        return tl::unexpected(written.error());
+    return Outcome{
+        fmt::format("wrote {}: the keys of {}\n"
+                    "It is secret: bring it only to the host of {}, for example with "
+                    "scp -p, and delete it here.\n",
+                    options.output.string(),
+                    keys::describe(bundle->member),
+                    options.name)};
+}
+
+Expected<Outcome> check(const Options& options, Timestamp now) {
+    if (options.bundle.empty()) {
+        const auto folder = find_store(options.keys);
+        if (!folder) return tl::unexpected(folder.error());
+        std::error_code ignored;
+        if (!fs::exists(*folder, ignored))  // something missing is not a wrong store
+            return tl::unexpected(KeyStore::open(*folder, KeyStore::Access::kRead).error());
+        return check_store(*folder, options, now);
+    }
+    const auto bundle = keys::read_bundle(options.bundle);
+    if (!bundle) {
+        if (bundle.error().kind == ErrorKind::kNotFound) return tl::unexpected(bundle.error());
+        return Outcome{bundle.error().message + "\n", 1};
+    }
+    const auto usable = keys::check(*bundle, now);
+    if (!usable)
+        return Outcome{fmt::format("{}: {}: {}\n",
+                                   options.bundle.string(),
+                                   keys::describe(bundle->member),
+                                   usable.error().message),
+                       1};
+    return Outcome{
+        fmt::format("{}: usable\nmember       {} {}\nworld        {}\nrights       {}\n"
+                    "valid until  {} ({})\n",
+                    options.bundle.string(),
+                    keys::kind_text(bundle->member.kind),
+                    bundle->member.name,
+                    bundle->member.world,
+                    shown_rights(bundle->member),
+                    keys::time_text(usable->end),
+                    days_left(usable->end, now))};
+}
+
+}  // namespace atrium::keys_tool
