@@ -102,8 +102,8 @@ Expected<void> write_private_file(const fs::path& file,
         ::unlink(temporary.c_str());
         const Descriptor out(
             ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kOwnerOnly));
-        if (out.get() < 0) return tl::unexpected(cannot_write(temporary, "create", errno));
-        if (auto written = write_whole(out, text, temporary); !written) {
+        if (out.get() < 0) return tl::unexpected(cannot_write(file, "create", errno));
+        if (auto written = write_whole(out, text, file); !written) {
             ::unlink(temporary.c_str());
             return written;
         }

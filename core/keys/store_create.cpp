@@ -71,7 +71,7 @@ Expected<KeyStore> KeyStore::create(const fs::path& folder,
     fs::remove_all(temporary, ignored);
     if (::mkdir(temporary.c_str(), 0700) != 0 ||
         ::mkdir((temporary / kMembersFolder).c_str(), 0700) != 0)
-        return tl::unexpected(cannot_write(temporary, "create", errno));
+        return tl::unexpected(cannot_write(plain, "create", errno));
     auto written = write_new_store(temporary, world, validity_from(now, days));
     if (written && ::rename(temporary.c_str(), plain.c_str()) != 0) {
         const int error = errno;

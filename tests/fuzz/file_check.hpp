@@ -26,4 +26,8 @@ std::string check_raw_bytes(std::span<const std::uint8_t> bytes, bool& was_accep
 /// Atrium. A chunk or summary whose CRC is 0 has none, so that mutations reach what is behind.
 std::string check_recording_bytes(std::span<const std::uint8_t> bytes, bool& was_accepted);
 
+/// A bundle of keys. Accepted: it was parsed. It is then also checked, at noon of a day on which
+/// the seeds are valid.
+std::string check_bundle_bytes(std::span<const std::uint8_t> bytes, bool& was_accepted);
+
 }  // namespace atrium::test

@@ -21,6 +21,9 @@ TEST(FileFuzzSeeds, KeepTheRawPictureReadersPromises) { replay("file_raw", check
 TEST(FileFuzzSeeds, KeepTheRecordingReadersPromises) {
     replay("file_recording", check_recording_bytes, 1, 3);
 }
+TEST(FileFuzzSeeds, KeepTheBundleReadersPromises) {
+    replay("file_bundle", check_bundle_bytes, 3, 3);
+}
 
 }  // namespace
 }  // namespace atrium::test

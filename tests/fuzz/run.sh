@@ -32,7 +32,7 @@ build_fuzzers() {
 max_len() {
     case $1 in
         hull) echo 1024 ;;
-        file_profiles | file_recording) echo 16384 ;;
+        file_bundle | file_profiles | file_recording) echo 16384 ;;
         *) echo 4096 ;;
     esac
 }
