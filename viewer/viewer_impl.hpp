@@ -54,6 +54,8 @@ struct Viewer::Impl {
     ViewerConfig config;
     SurfaceOptions surface_options;
     std::unique_ptr<Playback> playback;  // null: a living world
+    recording::LeftOut left_out;         // of the recording
+    app::log::OncePerSecond left_out_log;
     std::unique_ptr<Session> session;
     WorldPicture picture;
     std::optional<DrawingControl> drawing;  // from `open` to `close`

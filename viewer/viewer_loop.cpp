@@ -125,6 +125,7 @@ void Viewer::Impl::draw(Clock::time_point begin) {
     picture.people.show_only(sites, control.inside());
     if (playback) {
         const recording::PlayState state = playback->state();
+        if (const auto line = left_out.update(state)) left_out_log.warn(*line);
         hud.timeline = {state, playback->world().begin() + state.time, &playback->thumbnails()};
         picture.people.hold(!hud.timeline->state.is_playing);
     }

@@ -237,8 +237,7 @@ void Player::play_on(std::unique_lock<std::mutex>& lock, const std::stop_token& 
         lock.unlock();
         const PlayedSample* const next = cursor_.peek();
         lock.lock();
-        state_.num_damaged = cursor_.num_damaged();
-        if (!cursor_.damage().empty()) state_.fault = cursor_.damage();
+        note_damage();
         const bool is_over = next == nullptr || next->time - world_->begin() > out;
         const std::chrono::nanoseconds at = is_over ? out : next->time - world_->begin();
         Clock::time_point due = pace.due(at);
@@ -309,6 +308,12 @@ bool Player::wait_for_readers(std::chrono::nanoseconds timeout) const {
     return true;
 }
 
+// Called with the lock held.
+void Player::note_damage() {
+    if (cursor_.num_damaged() > state_.num_damaged) state_.fault = cursor_.damage();
+    state_.num_damaged = cursor_.num_damaged();
+}
+
 void Player::show_now(std::chrono::nanoseconds time) {
     show_moment(absolute(time));
     advance(time);
@@ -324,7 +329,7 @@ void Player::advance(std::chrono::nanoseconds time) {
     }
     const std::lock_guard lock(mutex_);
     state_.time = time;
-    state_.num_damaged = cursor_.num_damaged();
+    note_damage();
 }
 
 }  // namespace atrium::recording

@@ -46,6 +46,16 @@ struct PlayState {
     std::string fault;              // the last of these; empty: none
 };
 
+/// Tells what a player had to leave out, each time that there is more of it.
+class LeftOut {
+public:
+    /// A line of the log, or nothing if the state has no more of it than the last one.
+    std::optional<std::string> update(const PlayState& state);
+
+private:
+    std::uint64_t num_told_ = 0;
+};
+
 /// "1:02.5": minutes and seconds since the beginning of a recording, cut to tenths.
 std::string position_text(std::chrono::nanoseconds time);
 
@@ -114,6 +124,7 @@ private:
     void write(const bus::RawTopic& topic, const bus::RawSample& sample, const std::string& key);
     void show(Timestamp time);
     void show_moment(Timestamp time);
+    void note_damage();
     void end_all_but(const std::set<std::pair<const bus::RawTopic*, std::string>>& alive);
     std::optional<Timestamp> frame_time(Timestamp from, int num);
     bool obey(std::unique_lock<std::mutex>& lock);

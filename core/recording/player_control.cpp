@@ -14,6 +14,16 @@ constexpr int kMaxSteps = 1'000'000;
 
 }  // namespace
 
+std::optional<std::string> LeftOut::update(const PlayState& state) {
+    const std::uint64_t num = state.num_refused + state.num_damaged;
+    if (num <= num_told_) return std::nullopt;
+    num_told_ = num;
+    return fmt::format("left_out refused={} damaged={} reason=\"{}\"",
+                       state.num_refused,
+                       state.num_damaged,
+                       state.fault);
+}
+
 std::string position_text(std::chrono::nanoseconds time) {
     constexpr std::int64_t kTenthsPerMinute = 600;
     const std::int64_t tenths = time / std::chrono::milliseconds(100);

@@ -36,8 +36,11 @@ public:
 
     /// Frames without one of their textures, so far.
     std::uint64_t num_incomplete() const { return num_incomplete_; }
-    /// Samples that could not be read, so far, and chunks.
-    std::uint64_t num_refused() const { return num_refused_ + cursor_.num_damaged(); }
+    /// Samples that could not be read, so far.
+    std::uint64_t num_refused() const { return num_refused_; }
+    /// Chunks that could not be read, so far, and why the last of them could not.
+    std::uint64_t num_damaged() const { return cursor_.num_damaged(); }
+    const std::string& damage() const { return cursor_.damage(); }
 
 private:
     SiteFrames(std::shared_ptr<const WorldFile> world,

@@ -290,6 +290,13 @@ Expected<void> run_export(const ExportConfig& config, std::stop_token stop) {
     auto plan = make_plan(config, *world);
     if (!plan) return tl::unexpected(plan.error());
     if (auto writable = check_place(config); !writable) return writable;
+    const Survey& survey = plan->survey;
+    if (survey.num_refused + survey.num_damaged > 0) {
+        app::log::warn("left_out refused={} damaged={} reason=\"{}\": their frames are missing",
+                       survey.num_refused,
+                       survey.num_damaged,
+                       survey.num_damaged > 0 ? survey.damage : "samples that cannot be read");
+    }
     auto source = FrameSource::open(*world, plan->selection);
     if (!source) return tl::unexpected(source.error());
     const Clock::time_point begin = Clock::now();
@@ -317,7 +324,7 @@ Expected<void> run_export(const ExportConfig& config, std::stop_token stop) {
     const auto num_frames = static_cast<double>(counts.frames);
     app::log::info(
         "exported site={} frames={} files={} mb={:.1f} mb_per_frame={:.3f} seconds={:.1f} "
-        "s_per_frame={:.3f} incomplete={} refused={} output={}",
+        "s_per_frame={:.3f} incomplete={} refused={} damaged={} output={}",
         plan->selection.site,
         counts.frames,
         written->files.size(),
@@ -326,7 +333,8 @@ Expected<void> run_export(const ExportConfig& config, std::stop_token stop) {
         seconds,
         seconds / num_frames,
         source->num_left_out(),
-        counts.refused + source->num_refused(),
+        counts.refused + survey.num_refused,
+        survey.num_damaged,
         // several .glb have numbers in their names
         (config.output.extension() == ".glb" ? written->files.front() : config.output).string());
     return {};

@@ -34,10 +34,11 @@ Expected<Survey> nothing_there(const std::shared_ptr<const recording::WorldFile>
     if (!first) {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("{}: has no complete frame of site '{}' (refused {}, "
-                                      "incomplete {})",
+                                      "damaged {}, incomplete {})",
                                       file,
                                       selection.site,
-                                      source->num_refused(),
+                                      source->frames().num_refused(),
+                                      source->frames().num_damaged(),
                                       source->num_left_out()));
     }
     return make_error(ErrorKind::kConfiguration,
@@ -92,6 +93,9 @@ Expected<Survey> survey(const std::shared_ptr<const recording::WorldFile>& world
         result.frames.push_back({frame->mesh.capture_time, frame->time});
     }
     if (result.frames.empty()) return nothing_there(world, selection);
+    result.num_refused = source->frames().num_refused();
+    result.num_damaged = source->frames().num_damaged();
+    result.damage = source->frames().damage();
     std::vector<std::int64_t> periods;
     for (std::size_t i = 1; i < result.frames.size(); ++i) {
         periods.push_back(

@@ -28,7 +28,7 @@ public:
 
     /// Frames that were left out, so far: textures were lost, or another frame has the same time.
     std::uint64_t num_left_out() const { return num_left_out_; }
-    std::uint64_t num_refused() const { return frames_.num_refused(); }
+    const recording::SiteFrames& frames() const { return frames_; }
 
 private:
     FrameSource(recording::SiteFrames frames, std::uint32_t every)
@@ -48,6 +48,9 @@ struct Survey {
         Timestamp recorded;
     };
     std::vector<Time> frames;
+    std::uint64_t num_refused = 0;                      // samples that could not be read
+    std::uint64_t num_damaged = 0;                      // chunks that could not be read
+    std::string damage;                                 // why the last of them could not
     double rate_hz = 0.0;                               // median
     std::optional<geometry::RigidTransform> placement;  // world_from_site at the first frame
 

@@ -90,14 +90,23 @@ Expected<recording::PlaySelection> add_places(const PlayConfig& config,
     return selection;
 }
 
+// The sites that are played, by the names that they get.
+std::vector<std::string> played_names(const recording::WorldFile& world,
+                                      const recording::PlaySelection& selection) {
+    std::vector<std::string> names;
+    for (const std::string& site : world.sites()) {
+        if (!selection.sites.empty() && !selection.sites.contains(site)) continue;
+        const auto renamed = selection.names.find(site);
+        names.push_back(renamed == selection.names.end() ? site : renamed->second);
+    }
+    return names;
+}
+
 // Two sites of one name would be one on the bus; and places are for sites that are played.
 Expected<void> check_played_names(const recording::WorldFile& world,
                                   const recording::PlaySelection& selection) {
     std::set<std::string> names;
-    for (const std::string& site : world.sites()) {
-        if (!selection.sites.empty() && !selection.sites.contains(site)) continue;
-        const auto renamed = selection.names.find(site);
-        const std::string& name = renamed == selection.names.end() ? site : renamed->second;
+    for (const std::string& name : played_names(world, selection)) {
         if (!names.insert(name).second)
             return wrong(fmt::format("rename: two sites would be named '{}'", name));
     }
@@ -185,15 +194,7 @@ public:
 
 private:
     void tell(const recording::PlayState& state, bool shows_line) {
-        const std::uint64_t num_faults = state.num_refused + state.num_damaged;
-        if (num_faults > num_faults_) {
-            num_faults_ = num_faults;
-            faults_.warn("faults",
-                         fmt::format("left_out refused={} damaged={} reason=\"{}\"",
-                                     state.num_refused,
-                                     state.num_damaged,
-                                     state.fault));
-        }
+        if (const auto line = left_out_.update(state)) faults_.warn("faults", *line);
         if (shows_line) {
             std::fprintf(stderr, "\r\033[K%s", state_text(state).c_str());
             std::fflush(stderr);
@@ -209,7 +210,7 @@ private:
     const PlayConfig& config_;
     recording::Player& player_;
     app::log::LastingLog faults_;
-    std::uint64_t num_faults_ = 0;
+    recording::LeftOut left_out_;
     Clock::time_point due_ = Clock::now() + kTellPeriod;
     bool has_commands_ = false;
 };
@@ -227,6 +228,7 @@ Expected<void> play_world(const PlayConfig& config,
     for (const std::string& warning : participant->network().warnings)
         app::log::warn("{}", warning);
     if (auto free = check_nobody_is_there(*participant, *world, *selection); !free) return free;
+    const std::vector<std::string> played = played_names(*world, *selection);
     auto player = recording::Player::create(world, *participant, std::move(*selection));
     if (!player) return tl::unexpected(player.error());
     const auto time = [](double value_s) { return from_milliseconds(value_s * 1e3); };
@@ -243,7 +245,7 @@ Expected<void> play_world(const PlayConfig& config,
                    world->file().path().string(),
                    bus.world,
                    std::chrono::duration<double>(world->duration()).count(),
-                   fmt::join(world->sites(), ","));
+                   fmt::join(played, ","));
     {
         const std::jthread playing([&](std::stop_token own) { (*player)->run(std::move(own)); });
         Session(config, **player).run(stop);

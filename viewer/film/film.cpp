@@ -170,6 +170,7 @@ Expected<void> Film::render(const std::stop_token& stop) {
     const recording::PlayState played = player_->state();
     if (done < num)
         app::log::warn("film_cut file={} pictures={} of={}", format.file.string(), done, num);
+    if (const auto line = recording::LeftOut().update(played)) app::log::warn("{}", *line);
     app::log::info(
         "film_written file={} pictures={} seconds={:.2f} size={}x{} refused={} "
         "damaged={} rejected={}",

@@ -95,6 +95,22 @@ TEST_F(RecordingExport, LeavesOutIncompleteFramesAndEveryOther) {
     EXPECT_EQ(testing::names_in(folder_ / "second").size(), 3u);
 }
 
+TEST_F(RecordingExport, CountsDamagedChunks) {
+    ExportConfig config = this->config();
+    config.format = "ply";
+    {
+        const auto world = recording::WorldFile::open(config.file);
+        ASSERT_TRUE(world);
+        const auto& chunks = (*world)->file().contents().chunks;
+        const auto people = std::ranges::max_element(chunks, {}, &mcap::ChunkIndex::length);
+        std::fstream file(config.file, std::ios::in | std::ios::out | std::ios::binary);
+        file.seekp(static_cast<std::streamoff>(people->offset + people->length / 2));
+        file.write("\x55\xAA\x55\xAA", 4);
+    }
+    EXPECT_NE(error_of(config).find("(refused 0, damaged 1, incomplete 0)"), std::string::npos)
+        << error_of(config);
+}
+
 TEST_F(RecordingExport, KeepsFramesWithoutAnybody) {
     testing::BallRecording content;
     content.is_empty_at_frame_2 = true;

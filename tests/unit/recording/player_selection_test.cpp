@@ -147,6 +147,11 @@ TEST_F(PlayerSelection, LeavesOutDamagedChunksAndSamplesAndCountsThem) {
     EXPECT_EQ(player_->state().num_damaged, 1u);
     EXPECT_EQ(player_->state().num_refused, 1u);
     EXPECT_NE(player_->state().fault, "");
+    LeftOut left_out;
+    EXPECT_EQ(left_out.update({}), std::nullopt);
+    EXPECT_EQ(left_out.update(player_->state()),
+              "left_out refused=1 damaged=1 reason=\"" + player_->state().fault + "\"");
+    EXPECT_EQ(left_out.update(player_->state()), std::nullopt) << "told once";
     auto expected = payloads_of(samples)["SceneState"];
     const auto played = ear_->payloads("SceneState");
     ASSERT_LE(played.size(), expected.size());
