@@ -42,24 +42,29 @@ tl::unexpected<Error> wrong_plate(const fs::path& file,
 
 }  // namespace
 
+Expected<void> check_is_room(const fs::path& folder) {
+    if (folder.extension() == ".mcap") {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("recording '{}': this is a recording of a world: play it with "
+                        "play or viewer; a site plays the folder of a room",
+                        folder.string()));
+    }
+    if (!fs::is_directory(folder)) {
+        return make_error(
+            ErrorKind::kNotFound,
+            fmt::format(
+                "recording '{}': no such folder{}", folder.string(), looked_up_from(folder)));
+    }
+    return {};
+}
+
 RecordingSource::RecordingSource(config::Rig rig) : rig_(std::move(rig)), counters_(rig_) {}
 
 RecordingSource::~RecordingSource() = default;
 
 Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const RecordingOptions& options) {
-    if (options.folder.extension() == ".mcap") {
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("recording '{}': this is a recording of a world: play it with "
-                        "play or viewer; a site plays the folder of a room",
-                        options.folder.string()));
-    }
-    if (!fs::is_directory(options.folder)) {
-        return make_error(ErrorKind::kNotFound,
-                          fmt::format("recording '{}': no such folder{}",
-                                      options.folder.string(),
-                                      looked_up_from(options.folder)));
-    }
+    if (auto room = check_is_room(options.folder); !room) return tl::unexpected(room.error());
     const bool has_rig = options.needs_rig || fs::exists(options.folder / "rig.toml");
     auto rig = has_rig ? config::load_rig(options.folder) : rig_of_pictures(options.folder);
     if (!rig) return tl::unexpected(rig.error());
@@ -161,6 +166,21 @@ Expected<void> RecordingSource::show_background_of(std::size_t camera,
         if (!sink(camera, picture)) break;
     }
     return {};
+}
+
+double RecordingSource::recorded_hz() const {
+    std::vector<std::int64_t> times;  // of the first camera that has one, of each instant
+    for (const auto& of_cameras : times_ns_) {
+        const auto known =
+            std::ranges::find_if(of_cameras, [](const auto& time) { return time.has_value(); });
+        if (known != of_cameras.end()) times.push_back(**known);
+    }
+    std::vector<std::int64_t> periods;
+    for (std::size_t i = 1; i < times.size(); ++i) periods.push_back(times[i] - times[i - 1]);
+    if (periods.empty()) return 0.0;
+    const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
+    std::ranges::nth_element(periods, middle);
+    return *middle > 0 ? 1e9 / static_cast<double>(*middle) : 0.0;
 }
 
 std::optional<CameraFrame> RecordingSource::next_frame(std::size_t camera, std::size_t index) {

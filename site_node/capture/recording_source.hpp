@@ -30,6 +30,9 @@ struct RecordingOptions {
     std::function<void(const std::string&)> report_unreadable = {};
 };
 
+/// Fails if there is no such folder, or if it is the file of a recorded world.
+Expected<void> check_is_room(const std::filesystem::path& folder);
+
 /// Plays a recording of raw pictures, image sequences or video files in real time
 /// (docs/conventions.md, "Recordings").
 ///
@@ -52,6 +55,9 @@ public:
     /// Number of frames of the camera with the most frames; for a video the number in its header,
     /// or of whole pictures if it is truncated.
     std::size_t num_frames() const override { return num_frames_; }
+
+    /// Instants per second as they were recorded; 0: their times are not known.
+    double recorded_hz() const;
 
     bool has_empty_room(std::size_t camera) const override;
     std::filesystem::path learned_rooms() const override;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <set>
@@ -44,6 +45,16 @@ Source open_recording(const CaptureConfig& config, bool is_calibrated) {
                  app::log::warn("picture_left_out reason=\"{}\"", reason);
          }});
     if (!source) return tl::unexpected(source.error());
+    const double recorded_hz = (*source)->recorded_hz();
+    const bool keeps_pace = config.rate_hz > 0.0 && !config.as_fast_as_possible;
+    if (keeps_pace && recorded_hz > 0.0 && std::abs(config.rate_hz / recorded_hz - 1.0) > 0.1) {
+        app::log::warn(
+            "other_rate recorded_hz={:.1f} rate_hz={:g}: it plays {} than it was; "
+            "capture.rate_hz = 0 plays it as recorded",
+            recorded_hz,
+            config.rate_hz,
+            config.rate_hz > recorded_hz ? "faster" : "slower");
+    }
     return std::unique_ptr<capture::FrameSource>(std::move(*source));
 }
 

@@ -185,6 +185,17 @@ TEST_F(RecordingOnDisk, KeepsTheRecordedTimesOfEachCamera) {
     EXPECT_EQ((frames[2].capture_time - frames[3].capture_time).count(), 1500);
 }
 
+TEST_F(RecordingOnDisk, KnowsTheRateAtWhichItWasRecorded) {
+    write_sequence("a", 5);
+    write_sequence("b", 5);
+    EXPECT_EQ((*RecordingSource::open({.folder = folder_}))->recorded_hz(), 0.0);
+    // 10 Hz, one instant missing; b is late
+    std::ofstream(folder_ / "times.csv")
+        << "0, a, 100000000\n0, b, 103000000\n1, b, 201000000\n1, a, 200000000\n"
+           "2, a, 300000000\n3, a, 500000000\n4, a, 600000000\n";
+    EXPECT_DOUBLE_EQ((*RecordingSource::open({.folder = folder_}))->recorded_hz(), 10.0);
+}
+
 TEST_F(RecordingOnDisk, NamesTheBadLineOfATimesFile) {
     write_sequence("a", 1);
     write_sequence("b", 1);
