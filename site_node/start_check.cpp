@@ -2,6 +2,7 @@
 
 #include "core/app/log.hpp"
 #include "core/base/write_check.hpp"
+#include "site_node/capture/recording_source.hpp"
 #include "site_node/hull/input_limits.hpp"
 #include "site_node/rig_check/bounds_check.hpp"
 #include "site_node/rig_check/rig_geometry.hpp"
@@ -62,6 +63,10 @@ Expected<void> check_places(const SiteNodeConfig& config) {
 
 Expected<config::Rig> load_checked_rig(const SiteNodeConfig& config) {
     const bool is_recording = config.capture.source == "recording";
+    if (is_recording) {
+        if (auto room = capture::check_is_room(config.capture.recording); !room)
+            return tl::unexpected(room.error());
+    }
     auto rig = config::load_rig(is_recording ? config.capture.recording : config.capture.rig);
     if (!rig) return rig;
     const fs::path file = is_recording ? config.capture.recording / "rig.toml" : config.capture.rig;

@@ -55,6 +55,13 @@ RecordedChannel channel_named(std::string_view topic) {
 
 Expected<std::shared_ptr<const WorldFile>> WorldFile::open(const std::filesystem::path& path,
                                                            std::size_t max_kept_bytes) {
+    std::error_code unknown;
+    if (std::filesystem::is_directory(path, unknown)) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: it is a folder; a recording of a world is a file, and "
+                                      "`site_node --recording` plays the folder of a room",
+                                      path.string()));
+    }
     auto file = mcap::File::open(path);
     if (!file) return tl::unexpected(file.error());
     std::shared_ptr<WorldFile> world(new WorldFile(std::move(*file)));
