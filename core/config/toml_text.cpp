@@ -18,22 +18,29 @@ bool is_binary(std::string_view text) {
            text.starts_with("\xFE\xFF");
 }
 
-// Line of the first byte that is not UTF-8, from 1; 0 if there is none. Longer forms than needed
-// and surrogates pass: they do no harm.
+// Line of the first byte that is not UTF-8, from 1; 0 if there is none. As strict as the library,
+// which reads beyond its memory if a literal string of several lines has a longer form than needed
+// or a surrogate (toml11 3.7.1).
 std::size_t line_not_utf8(std::string_view text) {
     std::size_t line = 1;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto byte = static_cast<unsigned char>(text[i]);
         if (byte == '\n') ++line;
         if (byte < 0x80) continue;
-        const int num_more = byte >= 0xF0 && byte < 0xF8   ? 3
+        const int num_more = byte >= 0xF0 && byte < 0xF5   ? 3
                              : byte >= 0xE0 && byte < 0xF0 ? 2
-                             : byte >= 0xC0 && byte < 0xE0 ? 1
+                             : byte >= 0xC2 && byte < 0xE0 ? 1
                                                            : 0;
         if (num_more == 0) return line;
+        // the first of the others says whether the form is a shortest one of a letter
+        unsigned min = byte == 0xE0 ? 0xA0 : byte == 0xF0 ? 0x90 : 0x80;
+        unsigned max = byte == 0xED ? 0x9F : byte == 0xF4 ? 0x8F : 0xBF;
         for (int k = 0; k < num_more; ++k) {
-            if (++i >= text.size() || (static_cast<unsigned char>(text[i]) & 0xC0) != 0x80)
-                return line;
+            if (++i >= text.size()) return line;
+            const auto next = static_cast<unsigned char>(text[i]);
+            if (next < min || next > max) return line;
+            min = 0x80;
+            max = 0xBF;
         }
     }
     return 0;

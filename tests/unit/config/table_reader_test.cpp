@@ -253,9 +253,17 @@ TEST(TableReader, ShowsALineThatIsNotTomlAndSaysHowToWriteIt) {
     for (const char* text : {"a = 1\n# Gr\xFC\xDF"
                              "e\n",
                              "a = 1\n# \xC3",
-                             "a = 1\nb = \"\xE2\x82\"\n"})
+                             "a = 1\nb = \"\xE2\x82\"\n",
+                             // longer than needed, surrogates, beyond Unicode
+                             "a = 1\nb = '''\xC0\x80'''\n",
+                             "a = 1\nb = '''\xE0\x80\x80'''\n",
+                             "a = 1\nb = '''\xED\xA0\x80'''\n",
+                             "a = 1\nb = '''\xF0\x80\x80\x80'''\n",
+                             "a = 1\nb = '''\xF4\x90\x80\x80'''\n",
+                             "a = 1\nb = '''\xF5\x80\x80\x80'''\n"})
         EXPECT_THAT(error_of(text), HasSubstr(":2: a letter is not in UTF-8"));
-    EXPECT_THAT(error_of("# Gr\u00FC\u00DFe \u20AC \U0001F600\n"), Not(HasSubstr("UTF-8")));
+    EXPECT_THAT(error_of("# Gr\u00FC\u00DFe \u20AC \uD7FF \uE000 \U0001F600 \U0010FFFF\n"),
+                Not(HasSubstr("UTF-8")));
     EXPECT_LT(error_of("threads = \"" + std::string(1000, 'x')).size(), 300u);
 }
 
