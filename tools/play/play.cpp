@@ -263,6 +263,36 @@ Expected<void> play_world(const PlayConfig& config,
     return {};
 }
 
+// Completes a file that was cut off; names chunks inside that are damaged, which nothing mends.
+Expected<void> repair(const std::filesystem::path& path, const std::stop_token& stop) {
+    auto file = mcap::File::open(path);
+    if (!file) return tl::unexpected(file.error());
+    if (!file->fault().empty()) {
+        if (auto done = mcap::repair(path); !done) return done;
+        app::log::info("repaired file={} fault=\"{}\"", path.string(), file->fault());
+        return {};
+    }
+    const std::size_t num_chunks = file->contents().chunks.size();
+    std::size_t num_damaged = 0;
+    for (std::size_t i = 0; i < num_chunks; ++i) {
+        if (stop.stop_requested()) return make_error(ErrorKind::kInternal, "stopped");
+        const auto chunk = file->read(i);
+        if (chunk) continue;
+        ++num_damaged;
+        app::log::warn("damaged reason=\"{}\"", chunk.error().message);
+    }
+    if (num_damaged == 0) {
+        app::log::info("complete file={}: nothing to repair", path.string());
+        return {};
+    }
+    return make_error(ErrorKind::kInvalidData,
+                      fmt::format("{}: {} of {} chunks are damaged, which nothing can repair; the "
+                                  "others can be played",
+                                  path.string(),
+                                  num_damaged,
+                                  num_chunks));
+}
+
 }  // namespace
 
 void declare(PlayConfig& config, config::OptionSet& options) {
@@ -327,14 +357,7 @@ Expected<recording::PlaySelection> selection_of(const PlayConfig& config,
 
 Expected<void> run_play(const PlayConfig& config, std::stop_token stop) {
     if (config.repair) {
-        auto file = mcap::File::open(config.file);
-        if (!file) return tl::unexpected(file.error());
-        if (file->fault().empty()) {
-            app::log::info("complete file={}: nothing to repair", config.file.string());
-        } else {
-            if (auto done = mcap::repair(config.file); !done) return done;
-            app::log::info("repaired file={} fault=\"{}\"", config.file.string(), file->fault());
-        }
+        if (auto done = repair(config.file, stop); !done) return done;
     }
     auto world = recording::WorldFile::open(config.file);
     if (!world) return tl::unexpected(world.error());

@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include <fstream>
+
 namespace atrium::play {
 namespace {
 
@@ -50,6 +52,21 @@ TEST_F(PlaySelectionTest, TakesSitesTopicsNamesAndPlaces) {
     const geometry::RigidTransform& place = selection.places.at("anna");
     EXPECT_EQ(place.translation, Eigen::Vector3d(1.5, -2.0, 0.0));
     EXPECT_LT((place.rotation * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-12);
+}
+
+TEST_F(PlaySelectionTest, RepairNamesWhatItCannotMend) {
+    config_.repair = true;
+    EXPECT_TRUE(run_play(config_, {})) << "complete";
+    const mcap::ChunkIndex chunk = world_->file().contents().chunks.front();
+    {
+        std::fstream file(config_.file, std::ios::in | std::ios::out | std::ios::binary);
+        file.seekp(static_cast<std::streamoff>(chunk.offset + chunk.length / 2));
+        file.write("\x55\xAA\x55\xAA", 4);
+    }
+    const auto done = run_play(config_, {});
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().kind, ErrorKind::kInvalidData);
+    EXPECT_THAT(done.error().message, HasSubstr("a.mcap: 1 of "));
 }
 
 TEST_F(PlaySelectionTest, NamesTheMistake) {
