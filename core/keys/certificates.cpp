@@ -113,11 +113,9 @@ Expected<KeyPair> make_certificate(const KeyPair& identity,
                                    const Member& member,
                                    Validity validity) {
     const NoErrorsLeft clean;
-    const Certificate issuer = parse_certificate(identity.certificate);
-    const PrivateKey issuer_key = parse_private_key(identity.private_key);
-    if (!issuer || !issuer_key)
-        return make_error(ErrorKind::kInvalidData,
-                          "the identity authority is damaged: restore the key store from a copy");
+    const auto issuer = signer_of(identity, "identity");
+    if (!issuer) return tl::unexpected(issuer.error());
+    X509* const authority = issuer->certificate.get();
     const PrivateKey key(EVP_EC_gen("P-256"));
     if (!key) return openssl_failed("make a key");
     const Certificate made = new_certificate(key.get(), validity);
@@ -127,12 +125,12 @@ Expected<KeyPair> make_certificate(const KeyPair& identity,
                  {{{"O", member.world},
                    {"OU", std::string(kind_text(member.kind))},
                    {"CN", member.name}}}) &&
-        X509_set_issuer_name(made.get(), X509_get_subject_name(issuer.get())) == 1 &&
-        add_extension(made.get(), issuer.get(), NID_basic_constraints, "critical,CA:FALSE") &&
-        add_extension(made.get(), issuer.get(), NID_key_usage, "critical,digitalSignature") &&
-        add_extension(made.get(), issuer.get(), NID_subject_key_identifier, "hash") &&
-        add_extension(made.get(), issuer.get(), NID_authority_key_identifier, "keyid:always") &&
-        X509_sign(made.get(), issuer_key.get(), EVP_sha256()) > 0;
+        X509_set_issuer_name(made.get(), X509_get_subject_name(authority)) == 1 &&
+        add_extension(made.get(), authority, NID_basic_constraints, "critical,CA:FALSE") &&
+        add_extension(made.get(), authority, NID_key_usage, "critical,digitalSignature") &&
+        add_extension(made.get(), authority, NID_subject_key_identifier, "hash") &&
+        add_extension(made.get(), authority, NID_authority_key_identifier, "keyid:always") &&
+        X509_sign(made.get(), issuer->key.get(), EVP_sha256()) > 0;
     if (!is_complete) return openssl_failed("sign a certificate");
     return as_texts(made.get(), key.get());
 }

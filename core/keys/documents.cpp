@@ -29,17 +29,14 @@ bool has_one_signer(PKCS7* signature) {
 
 Expected<std::string> sign_document(const std::string& text, const KeyPair& authority) {
     const NoErrorsLeft clean;
-    const Certificate certificate = parse_certificate(authority.certificate);
-    const PrivateKey key = parse_private_key(authority.private_key);
-    if (!certificate || !key)
-        return make_error(
-            ErrorKind::kInvalidData,
-            "the permissions authority is damaged: restore the key store from a copy");
+    const auto signer = signer_of(authority, "permissions");
+    if (!signer) return tl::unexpected(signer.error());
     const Bio in = reading(text);
     const Bio out = collecting();
     if (!in || !out) return openssl_failed("sign a document");
     constexpr int kFlags = PKCS7_DETACHED | PKCS7_TEXT | PKCS7_STREAM;
-    const Signature signature(PKCS7_sign(certificate.get(), key.get(), nullptr, in.get(), kFlags));
+    const Signature signature(
+        PKCS7_sign(signer->certificate.get(), signer->key.get(), nullptr, in.get(), kFlags));
     if (!signature || SMIME_write_PKCS7(out.get(), signature.get(), in.get(), kFlags) != 1)
         return openssl_failed("sign a document");
     return without_returns(collected(out));

@@ -2,6 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "core/base/timestamp.hpp"
+#include "core/keys/certificates.hpp"
 #include "core/keys/validity.hpp"
 
 #include <openssl/bio.h>
@@ -52,6 +53,14 @@ std::string collected(const Bio& bio);
 /// They return null for other bytes, and for keys that are not on P-256.
 Certificate parse_certificate(std::string_view pem);
 PrivateKey parse_private_key(std::string_view pem);
+
+/// An authority that signs.
+struct Signer {
+    Certificate certificate;
+    PrivateKey key;
+};
+/// Fails with kInvalidData if one of both texts is damaged. `authority` names it in the error.
+Expected<Signer> signer_of(const KeyPair& pair, std::string_view authority);
 RevocationList parse_revocation_list(std::string_view pem);
 
 /// Private keys as unencrypted PKCS#8. Empty if OpenSSL fails.

@@ -54,6 +54,15 @@ PrivateKey parse_private_key(std::string_view pem) {
     return context && EVP_PKEY_pairwise_check(context.get()) == 1 ? std::move(key) : nullptr;
 }
 
+Expected<Signer> signer_of(const KeyPair& pair, std::string_view authority) {
+    Signer signer{parse_certificate(pair.certificate), parse_private_key(pair.private_key)};
+    if (!signer.certificate || !signer.key)
+        return make_error(ErrorKind::kInvalidData,
+                          "the " + std::string(authority) +
+                              " authority is damaged: restore the key store from a copy");
+    return signer;
+}
+
 RevocationList parse_revocation_list(std::string_view pem) {
     const NoErrorsLeft clean;
     const Bio in = reading(pem);

@@ -117,17 +117,15 @@ Expected<std::string> make_crl(const KeyPair& identity,
                                std::span<const Revocation> revoked,
                                Validity validity) {
     const NoErrorsLeft clean;
-    const Certificate issuer = parse_certificate(identity.certificate);
-    const PrivateKey key = parse_private_key(identity.private_key);
-    if (!issuer || !key)
-        return make_error(ErrorKind::kInvalidData,
-                          "the identity authority is damaged: restore the key store from a copy");
+    const auto issuer = signer_of(identity, "identity");
+    if (!issuer) return tl::unexpected(issuer.error());
     const RevocationList list(X509_CRL_new());
     const std::unique_ptr<ASN1_TIME, Freed<ASN1_TIME_free>> begin(ASN1_TIME_new());
     const std::unique_ptr<ASN1_TIME, Freed<ASN1_TIME_free>> end(ASN1_TIME_new());
     bool is_complete =
         list && begin && end && X509_CRL_set_version(list.get(), kCrlVersion2) == 1 &&
-        X509_CRL_set_issuer_name(list.get(), X509_get_subject_name(issuer.get())) == 1 &&
+        X509_CRL_set_issuer_name(list.get(), X509_get_subject_name(issuer->certificate.get())) ==
+            1 &&
         set_time(begin.get(), validity.begin) && set_time(end.get(), validity.end) &&
         X509_CRL_set1_lastUpdate(list.get(), begin.get()) == 1 &&
         X509_CRL_set1_nextUpdate(list.get(), end.get()) == 1 &&
@@ -135,7 +133,7 @@ Expected<std::string> make_crl(const KeyPair& identity,
     for (const Revocation& revocation : revoked)
         is_complete = is_complete && add_revocation(list.get(), revocation);
     is_complete = is_complete && X509_CRL_sort(list.get()) == 1 &&
-                  X509_CRL_sign(list.get(), key.get(), EVP_sha256()) > 0;
+                  X509_CRL_sign(list.get(), issuer->key.get(), EVP_sha256()) > 0;
     if (!is_complete) return openssl_failed("make the list of revoked certificates");
     std::string text = to_pem(list.get());
     if (text.empty()) return openssl_failed("write the list of revoked certificates");
