@@ -2,6 +2,7 @@
 BUILD ?= build
 SECONDS ?= 20
 DEMO_OPTIONS ?=
+SECURITY ?= 0
 RUNS ?= 1
 PATIENCE ?= 120
 
@@ -13,9 +14,9 @@ build:
 programs:
 	TARGETS=programs deploy/build.sh $(BUILD)
 
-# make demo SECONDS=60, or SECONDS=0 to run until Ctrl-C
+# make demo SECONDS=60, or SECONDS=0 to run until Ctrl-C; SECURITY=1 encrypts everything, with keys for this run
 demo: programs
-	$(BUILD)/bin/demo --seconds $(SECONDS) $(DEMO_OPTIONS)
+	$(BUILD)/bin/demo --seconds $(SECONDS) $(if $(filter-out 0,$(SECURITY)),--secured) $(DEMO_OPTIONS)
 
 # what a contributor runs after each change; `ctest --test-dir build -L slow` is the rest
 test: build

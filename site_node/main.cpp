@@ -1,5 +1,6 @@
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
+#include "core/bus/bus_options.hpp"
 #include "site_node/list_cameras.hpp"
 #include "site_node/region_node.hpp"
 #include "site_node/silhouette_writer.hpp"
@@ -22,23 +23,24 @@ int main(int argc, char** argv) {
     site_node::SiteNodeConfig config;
     config::OptionSet options;
     site_node::declare(config, options);
-    const app::ProgramInfo info{"site_node",
-                                "Captures one room of a shared world, computes the visual hull of "
-                                "the people in it, and publishes it.",
-                                "  site_node --config deploy/sites/alice.toml\n"
-                                "  site_node --site.name lab --capture.source recording "
-                                "--capture.recording DIR --capture.loop\n"
-                                "  site_node --list-cameras\n"
-                                "  site_node --recording DIR --learn-background "
-                                "--segmentation.background_folder BACKGROUNDS\n"
-                                "  site_node --recording DIR --write-silhouettes OUT",
-                                [&] { return config.list_cameras; },
-                                {},
-                                {},
-                                [&] {
-                                    site_node::resolve(config);
-                                    return site_node::check_files(config);
-                                }};
+    const app::ProgramInfo info{
+        "site_node",
+        "Captures one room of a shared world, computes the visual hull of "
+        "the people in it, and publishes it.",
+        "  site_node --config deploy/sites/alice.toml\n"
+        "  site_node --site.name lab --capture.source recording "
+        "--capture.recording DIR --capture.loop\n"
+        "  site_node --list-cameras\n"
+        "  site_node --recording DIR --learn-background "
+        "--segmentation.background_folder BACKGROUNDS\n"
+        "  site_node --recording DIR --write-silhouettes OUT",
+        [&] { return config.list_cameras; },
+        {},
+        [&] { return bus::enter_keys(config.bus, keys::Kind::kSite, config.name); },
+        [&] {
+            site_node::resolve(config);
+            return site_node::check_files(config);
+        }};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             site_node::read_tables(reader, config);

@@ -1,6 +1,7 @@
 #include "core/app/log.hpp"
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
+#include "core/bus/bus_options.hpp"
 #include "viewer/run_viewer.hpp"
 
 #include <utility>
@@ -24,7 +25,11 @@ int main(int argc, char** argv) {
                      "  viewer --headless --seconds 20 --video.file world.avi\n"
                      "  viewer evening.mcap\n"
                      "  viewer evening.mcap --path way.json --video.file film.mp4\n",
-         .check = [&config] { return viewer::check_recording(config); },
+         .check = [&config]() -> Expected<void> {
+             if (auto fine = viewer::check_recording(config); !fine) return fine;
+             if (!config.recording.file.empty()) return {};  // joins no world
+             return bus::enter_keys(config.bus, keys::Kind::kViewer, config.view.name);
+         },
          .positional = "recording.file"},
         options,
         argc,

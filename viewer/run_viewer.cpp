@@ -169,6 +169,8 @@ int run_viewer(ViewerConfig config, std::stop_token stop) {
         if (config.bus.world.empty()) config.bus.world = bus::BusOptions().world;
         return run_once(config, stop);
     }
+    // keys are of one world
+    if (config.bus.keys) return run_once(config, stop);
     config.has_other_worlds = true;
     return Visit(std::move(config), stop).run();
 }

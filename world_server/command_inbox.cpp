@@ -10,10 +10,6 @@ namespace {
 constexpr std::size_t kMaxCommands = 256;  // queued for the next tick
 constexpr std::size_t kMaxLeft = 1024;     // equals the number of senders with a budget
 
-std::string not_allowed(const std::string& sender, const char* right) {
-    return fmt::format("not allowed to {} by [rights] {} of the world file", sender, right);
-}
-
 }  // namespace
 
 std::optional<std::string> CommandInbox::put(bus::SceneCommand&& command,
@@ -23,11 +19,9 @@ std::optional<std::string> CommandInbox::put(bus::SceneCommand&& command,
     if (!rates_.admit(command.sender, now)) {
         return fmt::format("more than {:g} commands a second", rights_.max_per_s);
     }
-    if (!right_to(rights_, command.kind).allows(command.sender)) {
-        return fmt::format("{}: {}",
-                           to_string(command.kind),
-                           not_allowed(command.sender, right_name(command.kind)));
-    }
+    if (const auto why =
+            refusal(rights_, right_for(command.kind), command.sender, command.proven_rights))
+        return fmt::format("{}: {}", to_string(command.kind), *why);
     if (content_.commands.size() >= kMaxCommands) return "too many commands at once";
     content_.commands.push_back(std::move(command));
     return std::nullopt;
@@ -38,8 +32,7 @@ std::optional<std::string> CommandInbox::admit(const bus::SceneEdit& edit,
     const std::lock_guard lock(mutex_);
     if (!rates_.admit(edit.sender, now))
         return fmt::format("more than {:g} commands a second", rights_.max_per_s);
-    if (right_to(rights_, edit.kind).allows(edit.sender)) return std::nullopt;
-    return not_allowed(edit.sender, right_name(edit.kind));
+    return refusal(rights_, right_for(edit.kind), edit.sender, edit.proven_rights);
 }
 
 bool CommandInbox::put_prepared(PreparedEdit edit) {

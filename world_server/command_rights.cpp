@@ -1,5 +1,7 @@
 #include "world_server/command_rights.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -11,78 +13,55 @@ constexpr std::size_t kMaxSenders = 1024;
 
 }  // namespace
 
-const Right& right_to(const Rights& rights, bus::CommandKind kind) {
+keys::Right right_for(bus::CommandKind kind) {
     switch (kind) {
         case bus::CommandKind::kAdd:
-            return rights.add;
+            return keys::Right::kAdd;
         case bus::CommandKind::kRemove:
-            return rights.remove;
+            return keys::Right::kRemove;
         case bus::CommandKind::kReset:
-            return rights.reset;
+            return keys::Right::kReset;
         case bus::CommandKind::kPush:
-            return rights.push;
+            return keys::Right::kPush;
         case bus::CommandKind::kGrab:
         case bus::CommandKind::kMove:
         case bus::CommandKind::kRelease:
-            return rights.grab;
+            return keys::Right::kGrab;
         case bus::CommandKind::kSave:
         case bus::CommandKind::kRestore:
             break;
     }
-    return rights.save;
+    return keys::Right::kSave;
 }
 
-const Right& right_to(const Rights& rights, bus::EditKind kind) {
+keys::Right right_for(bus::EditKind kind) {
     switch (kind) {
         case bus::EditKind::kAdd:
-            return rights.add;
+            return keys::Right::kAdd;
         case bus::EditKind::kRemove:
-            return rights.remove;
+            return keys::Right::kRemove;
         case bus::EditKind::kChange:
         case bus::EditKind::kPlace:
         case bus::EditKind::kHold:
         case bus::EditKind::kLetGo:
-            return rights.edit;
+            return keys::Right::kEdit;
         case bus::EditKind::kSaveWorld:
         case bus::EditKind::kLoadWorld:
             break;
     }
-    return rights.save;
+    return keys::Right::kSave;
 }
 
-const char* right_name(bus::CommandKind kind) {
-    switch (kind) {
-        case bus::CommandKind::kAdd:
-            return "add";
-        case bus::CommandKind::kRemove:
-            return "remove";
-        case bus::CommandKind::kReset:
-            return "reset";
-        case bus::CommandKind::kPush:
-            return "push";
-        case bus::CommandKind::kGrab:
-        case bus::CommandKind::kMove:
-        case bus::CommandKind::kRelease:
-            return "grab";
-        case bus::CommandKind::kSave:
-        case bus::CommandKind::kRestore:
-            break;
-    }
-    return "save";
-}
-
-const char* right_name(bus::EditKind kind) {
-    switch (kind) {
-        case bus::EditKind::kAdd:
-            return "add";
-        case bus::EditKind::kRemove:
-            return "remove";
-        case bus::EditKind::kSaveWorld:
-        case bus::EditKind::kLoadWorld:
-            return "save";
-        default:
-            return "edit";
-    }
+std::optional<std::string> refusal(const Rights& rights,
+                                   keys::Right right,
+                                   const std::string& sender,
+                                   const std::optional<keys::Rights>& proven) {
+    // in the order of keys::Right
+    const auto& [key, member] = kRights[static_cast<std::size_t>(right)];
+    if (proven && !proven->has(right))
+        return fmt::format("not allowed: the key of {} does not have the right {}", sender, key);
+    if ((rights.*member).allows(sender)) return std::nullopt;
+    return fmt::format("not allowed to {} by [rights] {} of the world file", sender, key);
 }
 
 const char* to_string(bus::EditKind kind) {

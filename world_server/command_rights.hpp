@@ -1,23 +1,27 @@
 #pragma once
 
 #include "core/bus/messages.hpp"
+#include "core/keys/member.hpp"
 #include "world_server/description/rights.hpp"
 
 #include <chrono>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace atrium::world_server {
 
-/// Returns the right that a command or an edit needs.
-const Right& right_to(const Rights& rights, bus::CommandKind kind);
+/// The right that a command or an edit needs; one of the first seven, as [rights] has them.
+keys::Right right_for(bus::CommandKind kind);
+keys::Right right_for(bus::EditKind kind);
 
-const Right& right_to(const Rights& rights, bus::EditKind kind);
-
-/// Returns the key of that right in the world file.
-const char* right_name(bus::CommandKind kind);
-const char* right_name(bus::EditKind kind);
+/// Why `sender` may not do what needs `right`: neither the world file nor its key may forbid it.
+/// `proven` is what the key allows (bus::SceneCommand::proven_rights). nullopt: it may.
+std::optional<std::string> refusal(const Rights& rights,
+                                   keys::Right right,
+                                   const std::string& sender,
+                                   const std::optional<keys::Rights>& proven);
 
 const char* to_string(bus::CommandKind kind);
 const char* to_string(bus::EditKind kind);

@@ -1,5 +1,6 @@
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
+#include "core/bus/bus_options.hpp"
 #include "world_server/config.hpp"
 #include "world_server/recorded_run.hpp"
 #include "world_server/world_server.hpp"
@@ -19,7 +20,12 @@ int main(int argc, char** argv) {
             "  world_server --config deploy/worlds/demo.toml\n"
             "  world_server --config deploy/worlds/playroom.toml --network lan\n"
             "  world_server --config deploy/worlds/playroom.toml --recording evening.mcap",
-        .check = [&] { return world_server::check(config); },
+        .check = [&]() -> Expected<void> {
+            if (auto fine = world_server::check(config); !fine) return fine;
+            if (!config.recording.file.empty()) return {};  // joins no world
+            std::string of_world;
+            return bus::enter_keys(config.bus, keys::Kind::kWorld, of_world);
+        },
         .check_files = [&] { return world_server::check_recording(config.recording); }};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {

@@ -2,6 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
+#include "core/keys/bundle.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -27,6 +28,9 @@ struct BusOptions {
     /// Network card. Empty: the one that `network` names, else that of the default route.
     std::string interface;
     std::filesystem::path profiles_file;  // OMG DDS-XML; empty: embedded qos/profiles.xml
+    /// Bundle of keys (core/keys), or "none". Empty: as `enter_keys` finds it.
+    std::string security;
+    std::shared_ptr<const keys::Bundle> keys;  // read by `enter_keys`; null: a world without keys
 };
 
 /// Describes the network configuration of this process, for the log.
@@ -41,11 +45,18 @@ struct OtherWorlds {
     std::vector<std::string> meant;  // those whose names are near this one's
 };
 
+class KeyWatch;  // key_watch.hpp
+
 /// Joins this process to one world. Movable; its Readers and Writers keep it alive.
 class Participant {
 public:
+    /// Enters the keys (`enter_keys`) if that is not done. With keys only programs that have keys
+    /// of the same world are heard, and each is what its key says: samples of others in its name
+    /// never reach a Reader.
     static Expected<Participant> create(const BusOptions& options);
     const NetworkReport& network() const;
+    /// Whose keys this process has; null in a world without keys.
+    const keys::Member* member() const;
 
     /// Returns the incompatible programs found since the last call: programs of this world that
     /// use one of our topics with another type or an incompatible QoS, and thus are never matched.
@@ -53,8 +64,9 @@ public:
     /// Thread-safe.
     std::vector<std::string> take_mismatches() const;
 
-    /// Returns what DDS itself logged in this process since the last call: each kind of message
-    /// once, and then at most once a minute. Call it about once a second. Thread-safe.
+    /// Returns what DDS itself logged in this process since the last call, and whom and what the
+    /// keys refused: each kind of message once, and then at most once a minute. Call it about once
+    /// a second. Thread-safe.
     std::vector<std::string> take_dds_log() const;
 
     /// Returns where this program is, for the log: "world=atrium domain=0 network=lan", and other
@@ -70,6 +82,7 @@ public:
 private:
     explicit Participant(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
     std::shared_ptr<Impl> impl_;
+    std::shared_ptr<KeyWatch> key_watch_;  // with keys
 };
 
 template <typename Message>

@@ -2,6 +2,10 @@
 
 #include "core/bus/limits.hpp"
 
+#include <fmt/format.h>
+
+#include <cstdlib>
+
 namespace atrium::bus {
 
 void declare(BusOptions& options, config::OptionSet& set) {
@@ -30,6 +34,86 @@ void declare(BusOptions& options, config::OptionSet& set) {
     set.add("bus.profiles_file",
             options.profiles_file,
             "QoS profiles (DDS-XML); empty: the built-in copy of qos/profiles.xml");
+    set.add_word_or_path(
+        "bus.security",
+        options.security,
+        "keys of this program: a bundle of `atrium keys`; the world is then closed "
+        "to all without keys; empty: $ATRIUM_SECURITY",
+        {"none"});
+    set.add_alias("security");
+}
+
+namespace {
+
+std::string file_of_bundle(const std::string& option) {
+    if (!option.empty()) return option == "none" ? std::string() : option;
+    if (const char* file = std::getenv("ATRIUM_SECURITY"); file != nullptr && *file != '\0')
+        return std::string_view(file) == "none" ? std::string() : file;
+    const char* credentials = std::getenv("CREDENTIALS_DIRECTORY");
+    if (credentials == nullptr) return {};
+    const std::filesystem::path file = std::filesystem::path(credentials) / "bundle";
+    std::error_code error;
+    return std::filesystem::exists(file, error) ? file.string() : std::string();
+}
+
+tl::unexpected<Error> wrong_keys(const std::string& what) {
+    return make_error(ErrorKind::kConfiguration, "bus.security: " + what);
+}
+
+}  // namespace
+
+Expected<void> enter_keys(BusOptions& options) {
+    if (options.keys) return {};
+    const std::string file = file_of_bundle(options.security);
+    if (file.empty()) return {};
+    const auto bundle = keys::read_bundle(file);
+    if (!bundle) {
+        Error error = bundle.error();
+        error.message = "bus.security: " + error.message;
+        return tl::unexpected(std::move(error));
+    }
+    const keys::Member& member = bundle->member;
+    if (const auto fine = keys::check(*bundle, Timestamp::now()); !fine)
+        return make_error(fine.error().kind,
+                          fmt::format("bus.security: {}: {}", file, fine.error().message));
+    const std::string& world = options.world;
+    if (!world.empty() && world != BusOptions().world && world != member.world)
+        return wrong_keys(
+            fmt::format("{} has keys of the world '{}', and --world is '{}'; leave "
+                        "--world out, or take keys of that world",
+                        file,
+                        member.world,
+                        world));
+    options.world = member.world;
+    options.security = std::filesystem::absolute(file).string();
+    options.keys = std::make_shared<const keys::Bundle>(*bundle);
+    return {};
+}
+
+Expected<void> enter_keys(BusOptions& options, keys::Kind kind, std::string& name) {
+    if (auto entered = enter_keys(options); !entered || !options.keys) return entered;
+    const keys::Member& member = options.keys->member;
+    if (member.kind != kind) {
+        const bool has_name = kind != keys::Kind::kWorld;
+        return wrong_keys(fmt::format(
+            "{} has the keys of {}, this program needs those of a {}: `atrium keys add {}{}`",
+            options.security,
+            describe(member),
+            kind_text(kind),
+            kind_text(kind),
+            has_name ? " NAME" : ""));
+    }
+    if (name.empty()) name = member.name;
+    if (name != member.name)
+        return wrong_keys(
+            fmt::format("{} has the keys of {}, and this program is named '{}'; take "
+                        "the keys of '{}', or the name '{}'",
+                        options.security,
+                        describe(member),
+                        name,
+                        name,
+                        member.name));
+    return {};
 }
 
 }  // namespace atrium::bus

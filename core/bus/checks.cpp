@@ -237,5 +237,6 @@ template Expected<void> check(const WorldStatus&);
 template Expected<void> check(const ViewerStatus&);
 template Expected<void> check(const StreamFeedback&);
 template Expected<void> check(const Presence&);
+template Expected<void> check(const RevokedKeys&);
 
 }  // namespace atrium::bus

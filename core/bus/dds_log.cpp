@@ -1,5 +1,7 @@
 #include "core/bus/dds_log.hpp"
 
+#include "core/bus/authentication.hpp"
+
 #include <dds/dds.h>
 #include <fmt/format.h>
 
@@ -68,6 +70,7 @@ DdsLog& DdsLog::of_process() {
 
 void DdsLog::add(std::string_view line) {
     const std::string text = printable(line);
+    const std::string name = proven_name_in(text);
     const std::lock_guard lock(mutex_);
     if (is_captured_) {
         if (!captured_.empty()) captured_ += "; ";
@@ -75,7 +78,22 @@ void DdsLog::add(std::string_view line) {
         return;
     }
     const std::string address = unreachable_address(text);
-    const std::string kind = address.empty() ? without_numbers(text) : address;
+    const std::string kind = address.empty() ? without_numbers(text) + name : address;
+    const std::string from = name.empty() ? name : fmt::format(" from=\"{}\"", name);
+    count(kind,
+          address.empty() ? fmt::format("dds message=\"{}\"{}", text, from)
+                          : fmt::format("peer_unreachable address={} no route from this host, or "
+                                        "its network refuses: check --peers, --interface, cable "
+                                        "and firewall (atrium doctor)",
+                                        address));
+}
+
+void DdsLog::add(const std::string& kind, const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    count(kind, line);
+}
+
+void DdsLog::count(const std::string& kind, const std::string& line) {
     const auto found = kinds_.find(kind);
     if (found == kinds_.end() && kinds_.size() >= kMaxKinds) {
         ++num_of_other_kinds_;
@@ -83,13 +101,7 @@ void DdsLog::add(std::string_view line) {
     }
     Kind& entry = kinds_[kind];
     ++entry.num_new;
-    if (!entry.line.empty()) return;
-    entry.line = address.empty() ? fmt::format("dds message=\"{}\"", text)
-                                 : fmt::format(
-                                       "peer_unreachable address={} no route from this "
-                                       "host, or its network refuses: check --peers, "
-                                       "--interface, cable and firewall (atrium doctor)",
-                                       address);
+    if (entry.line.empty()) entry.line = line;
 }
 
 std::vector<std::string> DdsLog::take(Clock::time_point now) {

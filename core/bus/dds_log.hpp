@@ -18,6 +18,8 @@ public:
 
     /// Adds a line that Cyclone logs.
     void add(std::string_view line);
+    /// Adds a line of ours. Lines of the same `kind` count as repetitions.
+    void add(const std::string& kind, const std::string& line);
     /// Returns the lines to log since the last call.
     std::vector<std::string> take(Clock::time_point now);
 
@@ -35,6 +37,7 @@ private:
         std::size_t num_new = 0;     // since it was last logged
         Clock::time_point logged{};  // zero: never
     };
+    void count(const std::string& kind, const std::string& line);  // `mutex_` is held
     std::mutex mutex_;
     std::map<std::string, Kind> kinds_;
     std::size_t num_of_other_kinds_ = 0;  // beyond the limit

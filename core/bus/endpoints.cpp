@@ -16,6 +16,30 @@ Expected<Entity> create_topic(const Participant::Impl& participant) {
                fmt::format("topic {}", Topic<Message>::kName));
 }
 
+// In a world with keys, all topics but those of the world server: only it can write in its
+// partition.
+template <typename Message>
+bool is_guarded(const Participant::Impl& participant) {
+    return participant.keys != nullptr &&
+           keys::author_of(Topic<Message>::kName) != keys::Author::kWorld;
+}
+
+template <typename Message>
+std::optional<Claim> claim_of_key(const void* wire) {
+    const auto key = key_from_wire<Message>(*static_cast<const WireOf<Message>*>(wire));
+    return key ? std::optional(claim_of(*key)) : std::nullopt;
+}
+
+// Enters what the author's key allows, where a message has room for it.
+template <typename Message>
+void enter_rights(Message& message, const Authors* authors, const dds_sample_info_t& info) {
+    if constexpr (requires { message.proven_rights; }) {
+        if (authors == nullptr) return;
+        const auto author = authors->find(info.publication_handle);
+        message.proven_rights = author ? author->rights : keys::Rights();
+    }
+}
+
 void reject(TakeReport& report, const Error& why) {
     if (report.num_rejected++ == 0) report.first_rejection = why.message;
 }
@@ -31,27 +55,28 @@ Expected<Writer<Message>> Writer<Message>::create(const Participant& participant
     if (!topic) return tl::unexpected(topic.error());
     impl->topic = std::move(*topic);
     const auto& profile = impl->participant->profiles.find(Topic<Message>::kProfile)->second;
-    const std::string partition = impl->participant->partition(part);
-    if (!part.empty()) {
-        auto publisher =
-            own(dds_create_publisher(
-                    impl->participant->participant.get(), partition_qos(partition).get(), nullptr),
-                "a publisher");
-        if (!publisher) return tl::unexpected(publisher.error());
-        impl->publisher = std::move(*publisher);
+    const auto partitions = impl->participant->partitions(Topic<Message>::kName, part, false);
+    if (!partitions) return tl::unexpected(partitions.error());
+    dds_entity_t publisher = impl->participant->publisher.get();
+    if (*partitions != std::vector{impl->participant->world}) {
+        auto own_publisher = own(
+            dds_create_publisher(
+                impl->participant->participant.get(), partition_qos(*partitions).get(), nullptr),
+            "a publisher");
+        if (!own_publisher) return tl::unexpected(own_publisher.error());
+        impl->publisher = std::move(*own_publisher);
+        publisher = impl->publisher.get();
     }
-    auto writer = own(
-        dds_create_writer(part.empty() ? impl->participant->publisher.get() : impl->publisher.get(),
-                          impl->topic.get(),
-                          make_writer_qos(profile.writer).get(),
-                          nullptr),
-        fmt::format("a writer of {}", Topic<Message>::kName));
+    auto writer =
+        own(dds_create_writer(
+                publisher, impl->topic.get(), make_writer_qos(profile.writer).get(), nullptr),
+            fmt::format("a writer of {}", Topic<Message>::kName));
     if (!writer) return tl::unexpected(writer.error());
     impl->writer = std::move(*writer);
     impl->watched = impl->participant->peers.watch({Topic<Message>::kName,
                                                     impl->topic.get(),
                                                     impl->writer.get(),
-                                                    partition,
+                                                    *partitions,
                                                     profile.writer,
                                                     /*is_reader=*/false});
     Writer result;
@@ -118,21 +143,30 @@ Expected<Reader<Message>> Reader<Message>::create(const Participant& participant
     if (!topic) return tl::unexpected(topic.error());
     impl->topic = std::move(*topic);
     const auto& profile = impl->participant->profiles.find(Topic<Message>::kProfile)->second;
-    const std::string partition = impl->participant->partition(part);
-    if (!part.empty()) {
-        auto subscriber =
-            own(dds_create_subscriber(
-                    impl->participant->participant.get(), partition_qos(partition).get(), nullptr),
-                "a subscriber");
-        if (!subscriber) return tl::unexpected(subscriber.error());
-        impl->subscriber = std::move(*subscriber);
+    const auto partitions = impl->participant->partitions(Topic<Message>::kName, part, true);
+    if (!partitions) return tl::unexpected(partitions.error());
+    dds_entity_t subscriber = impl->participant->subscriber.get();
+    if (*partitions != std::vector{impl->participant->world}) {
+        auto own_subscriber = own(
+            dds_create_subscriber(
+                impl->participant->participant.get(), partition_qos(*partitions).get(), nullptr),
+            "a subscriber");
+        if (!own_subscriber) return tl::unexpected(own_subscriber.error());
+        impl->subscriber = std::move(*own_subscriber);
+        subscriber = impl->subscriber.get();
     }
-    auto reader = own(dds_create_reader(part.empty() ? impl->participant->subscriber.get()
-                                                     : impl->subscriber.get(),
-                                        impl->topic.get(),
-                                        make_reader_qos(profile.reader).get(),
-                                        nullptr),
-                      fmt::format("a reader of {}", Topic<Message>::kName));
+    const QosPointer qos = make_reader_qos(profile.reader);
+    if (is_guarded<Message>(*impl->participant))
+        impl->authors = std::make_shared<Authors>(impl->participant->world, Topic<Message>::kName);
+    auto reader = impl->authors
+                      ? create_guarded_reader(subscriber,
+                                              impl->topic.get(),
+                                              qos.get(),
+                                              impl->authors,
+                                              claim_of_key<Message>,
+                                              sizeof(typename Topic<Message>::Wire))
+                      : own(dds_create_reader(subscriber, impl->topic.get(), qos.get(), nullptr),
+                            fmt::format("a reader of {}", Topic<Message>::kName));
     if (!reader) return tl::unexpected(reader.error());
     impl->reader = std::move(*reader);
     impl->deadlines = std::make_unique<DeadlineCount>(profile.reader.deadline);
@@ -141,7 +175,7 @@ Expected<Reader<Message>> Reader<Message>::create(const Participant& participant
     impl->watched = impl->participant->peers.watch({Topic<Message>::kName,
                                                     impl->topic.get(),
                                                     impl->reader.get(),
-                                                    partition,
+                                                    *partitions,
                                                     announced,
                                                     /*is_reader=*/true});
     auto condition =
@@ -190,6 +224,7 @@ TakeReport Reader<Message>::take_written(
                 impl_->deadlines->heard(info.instance_handle, now);
                 if (auto message = from_wire<Message>(wire)) {
                     ++report.num_taken;
+                    enter_rights(*message, impl_->authors.get(), info);
                     if (on_sample) on_sample(std::move(*message), when_written(info));
                 } else {
                     reject(report, message.error());
@@ -252,6 +287,7 @@ template class Writer<WorldStatus>;
 template class Writer<ViewerStatus>;
 template class Writer<StreamFeedback>;
 template class Writer<Presence>;
+template class Writer<RevokedKeys>;
 
 template class Reader<SiteDescription>;
 template class Reader<SiteMesh>;
@@ -282,5 +318,6 @@ template class Reader<WorldStatus>;
 template class Reader<ViewerStatus>;
 template class Reader<StreamFeedback>;
 template class Reader<Presence>;
+template class Reader<RevokedKeys>;
 
 }  // namespace atrium::bus

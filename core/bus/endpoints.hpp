@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/bus/author_guard.hpp"
 #include "core/bus/bus.hpp"
 #include "core/bus/deadline_count.hpp"
 #include "core/bus/entity.hpp"
@@ -18,7 +19,7 @@ template <typename Message>
 struct Writer<Message>::Impl {
     std::shared_ptr<Participant::Impl> participant;
     Entity topic;
-    Entity publisher;  // of a part of the world
+    Entity publisher;  // of partitions other than the world's
     Entity writer;
     PeerWatch::Registration watched;
     std::mutex mutex;  // guards the rest
@@ -30,12 +31,13 @@ template <typename Message>
 struct Reader<Message>::Impl {
     std::shared_ptr<Participant::Impl> participant;
     Entity topic;
-    Entity subscriber;  // of a part of the world
+    Entity subscriber;  // of partitions other than the world's
     Entity reader;
     PeerWatch::Registration watched;
     std::unique_ptr<DeadlineCount> deadlines;
     Lives lives;
-    Entity anything;  // read condition: true while there is something to take
+    std::shared_ptr<Authors> authors;  // null: anybody may have written a sample
+    Entity anything;                   // read condition: true while there is something to take
 };
 
 }  // namespace atrium::bus

@@ -295,4 +295,9 @@ void fields(auto& v, Of<Presence> auto& m, auto& w) {
     v("Presence.clock_max_error", m.clock_max_error, w.clock_max_error_ns);
 }
 
+void fields(auto& v, Of<RevokedKeys> auto& m, auto& w) {
+    v.key("RevokedKeys.world", m.world, w.world, Text::kName);
+    v("RevokedKeys.crl", m.crl, w.crl, AtMost{kMaxRevocationBytes});
+}
+
 }  // namespace atrium::bus

@@ -24,6 +24,7 @@ inline constexpr std::size_t kMaxObjects = 2048;  // a SceneState then has 0.23 
 inline constexpr std::size_t kMaxModelFileLength = 127;
 inline constexpr std::size_t kMaxSavedWorlds = 256;
 inline constexpr std::size_t kMaxTextLength = 255;  // EditResult::text
+inline constexpr std::size_t kMaxRevocationBytes = 256U << 10U;
 inline constexpr std::size_t kMaxSoftNodes = 4096;  // a SoftBodyState then has 25 kB
 inline constexpr std::size_t kMaxSoftTriangles = 8192;
 inline constexpr std::size_t kMaxSoftSegments = 4096;

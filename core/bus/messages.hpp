@@ -8,6 +8,7 @@
 #include "core/geometry/pinhole_camera.hpp"
 #include "core/geometry/rigid_transform.hpp"
 #include "core/image/image.hpp"
+#include "core/keys/member.hpp"
 
 #include <Eigen/Core>
 
@@ -15,6 +16,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -246,6 +248,8 @@ struct SceneCommand {
     /// kGrab, kMove: goal [m] of that point in the world.
     Eigen::Vector3d goal_world = Eigen::Vector3d::Zero();
     SceneObject object;
+    /// Not sent: what the sender's key allows. nullopt: in a world without keys.
+    std::optional<keys::Rights> proven_rights;
 };
 
 enum class EditKind : std::uint8_t {
@@ -275,6 +279,8 @@ struct SceneEdit {
     std::string world_file;  // kSaveWorld, kLoadWorld: name without folder and ending
     geometry::RigidTransform world_from_object;  // kPlace, kHold: pose of the target
     SceneObject object;  // kAdd: complete; kChange: new properties; kPlace: start pose
+    /// As in SceneCommand.
+    std::optional<keys::Rights> proven_rights;
 };
 
 /// The outcome of a SceneEdit. For each edit, except for holds that are not refused. Without number
@@ -337,6 +343,12 @@ enum class ProgramKind : std::uint8_t {
     kOther,
     kCameraNode,
     kRegionNode
+};
+
+/// The keys that are no longer valid, from the world server. Transient local, when it changes.
+struct RevokedKeys {
+    std::string world;
+    std::vector<std::uint8_t> crl;  // PEM text, signed by the identity authority
 };
 
 /// A process present in the world. Transient local, at its start and every ten seconds.

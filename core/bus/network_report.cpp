@@ -41,12 +41,13 @@ NetworkReport report_network(const NetworkSettings& settings) {
     NetworkReport report;
     report.line = fmt::format(
         "network kind={} interface={} address={} discovery={} "
-        "receive_buffer_kB={}",
+        "receive_buffer_kB={} keys={}",
         settings.kind,
         settings.card.empty() ? "any" : settings.card,
         settings.address.empty() ? "any" : settings.address,
         discovery(settings),
-        granted >> 10U);
+        granted >> 10U,
+        settings.is_secured ? "yes" : "no");
     if (granted < kBytesAtOnce) {
         report.warnings.push_back(
             fmt::format("the receive buffer, {} kB, holds less than two frames of {} kB: samples "
@@ -70,6 +71,12 @@ NetworkReport report_network(const NetworkSettings& settings) {
             "bus.network = {}: no active network card reaches other hosts; bring one "
             "up and name it with --interface (atrium doctor), or use --network loopback",
             settings.kind));
+    }
+    if (!settings.is_secured && !stays_here) {
+        report.warnings.emplace_back(
+            "no keys: everybody in this network sees and hears all rooms of this world, and may "
+            "take any name; close it with `atrium keys init WORLD`, one bundle for each program, "
+            "and --security BUNDLE");
     }
     if (settings.kind == "wan" && !settings.has_remote_peers) {
         report.warnings.emplace_back(

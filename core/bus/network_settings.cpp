@@ -1,6 +1,7 @@
 #include "core/bus/network_settings.hpp"
 
 #include "core/base/split_list.hpp"
+#include "core/bus/authentication.hpp"
 #include "core/bus/builtin_files.hpp"
 #include "core/bus/network_file.hpp"
 
@@ -23,6 +24,10 @@ namespace {
 
 // Cyclone's default if the file does not set SocketReceiveBufferSize.
 constexpr std::size_t kDefaultReceiveBufferBytes = 1U << 20U;
+
+// A datagram has at most 65507 bytes. Encryption adds 100, and 20 more for each receiver.
+constexpr std::size_t kMaxSecuredMessageBytes = 62000;
+constexpr std::size_t kMaxSecuredFragmentBytes = 61000;
 
 Expected<std::string> resolve(const std::string& host) {
     addrinfo hints{};
@@ -154,17 +159,34 @@ public:
     }
 
     std::size_t receive_buffer_bytes() const {
-        const std::string text =
-            domain_.child("Internal").child("SocketReceiveBufferSize").attribute("max").value();
-        std::istringstream stream(text);
-        double number = 0.0;
-        std::string unit;
-        if (!(stream >> number)) return kDefaultReceiveBufferBytes;
-        stream >> unit;
-        const double factor = unit == "MB" || unit == "MiB"   ? 1 << 20
-                              : unit == "kB" || unit == "KiB" ? 1 << 10
-                                                              : 1;
-        return static_cast<std::size_t>(number * factor);
+        return bytes_of(domain_.child("Internal")
+                            .child("SocketReceiveBufferSize")
+                            .attribute("max")
+                            .value())
+            .value_or(kDefaultReceiveBufferBytes);
+    }
+
+    bool has_security() const { return domain_.child("Security") || domain_.child("DDSSecurity"); }
+
+    void set_security(const keys::Bundle& keys, const std::string& authentication) {
+        pugi::xml_node security = domain_.append_child("Security");
+        pugi::xml_node auth = security.append_child("Authentication");
+        add_library(auth, authentication, "init_authentication", "finalize_authentication");
+        add_data(auth, "IdentityCA", keys.identity_ca);
+        add_data(auth, "IdentityCertificate", keys.certificate);
+        add_data(auth, "PrivateKey", keys.private_key);
+        add_data(auth, "CRL", keys.crl);
+        pugi::xml_node access = security.append_child("AccessControl");
+        add_library(access, "dds_security_ac", "init_access_control", "finalize_access_control");
+        add_data(access, "PermissionsCA", keys.permissions_ca);
+        add_data(access, "Governance", keys.governance);
+        add_data(access, "Permissions", keys.permissions);
+        pugi::xml_node crypto = security.append_child("Cryptographic");
+        add_library(crypto, "dds_security_crypto", "init_crypto", "finalize_crypto");
+        // What encryption adds must fit the largest datagram of UDP, also for many receivers.
+        pugi::xml_node general = child(domain_, "General");
+        limit(general, "MaxMessageSize", kMaxSecuredMessageBytes);
+        limit(general, "FragmentSize", kMaxSecuredFragmentBytes);
     }
 
     std::string text() const {
@@ -174,6 +196,38 @@ public:
     }
 
 private:
+    static std::optional<std::size_t> bytes_of(const std::string& text) {
+        std::istringstream stream(text);
+        double number = 0.0;
+        std::string unit;
+        if (!(stream >> number)) return std::nullopt;
+        stream >> unit;
+        const double factor = unit == "MB" || unit == "MiB"   ? 1 << 20
+                              : unit == "kB" || unit == "KiB" ? 1 << 10
+                                                              : 1;
+        return static_cast<std::size_t>(number * factor);
+    }
+
+    static void limit(pugi::xml_node general, const char* name, std::size_t max) {
+        const auto bytes = bytes_of(general.child(name).text().get());
+        if (bytes && *bytes > max)
+            general.child(name).text().set((std::to_string(max) + " B").c_str());
+    }
+
+    static void add_library(pugi::xml_node plugin,
+                            const std::string& path,
+                            const char* init,
+                            const char* finalize) {
+        pugi::xml_node library = plugin.append_child("Library");
+        library.append_attribute("path") = path.c_str();
+        library.append_attribute("initFunction") = init;
+        library.append_attribute("finalizeFunction") = finalize;
+    }
+
+    static void add_data(pugi::xml_node plugin, const char* name, const std::string& text) {
+        plugin.append_child(name).text().set(("data:," + text).c_str());
+    }
+
     pugi::xml_document document_;
     pugi::xml_node domain_;
 };
@@ -291,6 +345,18 @@ Expected<NetworkSettings> load_network_settings(const BusOptions& options) {
         return tl::unexpected(entered.error());
     if (auto entered = enter_peers(options, is_builtin, domain, settings); !entered)
         return tl::unexpected(entered.error());
+    if (options.keys) {
+        if (domain.has_security())
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format("{}: has <Security>, and --security gives keys as well; take one of "
+                            "both out",
+                            settings.source));
+        const auto authentication = install_authentication();
+        if (!authentication) return tl::unexpected(authentication.error());
+        domain.set_security(*options.keys, *authentication);
+    }
+    settings.is_secured = options.keys != nullptr || domain.has_security();
     settings.xml = domain.text();
     return settings;
 }

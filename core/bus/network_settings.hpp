@@ -28,6 +28,7 @@ struct NetworkSettings {
     bool has_remote_peers = false;   // the option bus.peers names another host
     std::vector<std::string> unreachable_peers;  // left out: loopback cannot reach these hosts
     std::size_t receive_buffer_bytes = 0;        // requested size
+    bool is_secured = false;                     // only programs with keys can join
 };
 
 /// Lists the cards of this host that have an IPv4 address.

@@ -1,11 +1,14 @@
 #include "core/bus/participant.hpp"
 
+#include "core/bus/bus_options.hpp"
 #include "core/bus/dds_log.hpp"
+#include "core/bus/key_watch.hpp"
 #include "core/bus/limits.hpp"
 #include "core/bus/names.hpp"
 #include "core/bus/network_settings.hpp"
 #include "core/bus/topics.hpp"
 #include "core/config/spelling.hpp"
+#include "core/keys/topics.hpp"
 
 #include <fmt/ranges.h>
 
@@ -85,17 +88,41 @@ QosPointer make_writer_qos(const EndpointQos& qos) {
     return out;
 }
 
-// Leaves out the deadline: after a missed deadline a reader of Cyclone DDS 0.10 is no longer told
-// that the instance's writer has left. Reader counts missed deadlines itself (DeadlineCount).
-QosPointer partition_qos(const std::string& partition) {
+QosPointer partition_qos(const std::vector<std::string>& partitions) {
     QosPointer qos(dds_create_qos());
-    dds_qset_partition1(qos.get(), partition.c_str());
+    std::vector<const char*> texts;
+    for (const std::string& partition : partitions) texts.push_back(partition.c_str());
+    dds_qset_partition(qos.get(), static_cast<std::uint32_t>(texts.size()), texts.data());
     return qos;
 }
 
+// Leaves out the deadline: after a missed deadline a reader of Cyclone DDS 0.10 is no longer told
+// that the instance's writer has left. Reader counts missed deadlines itself (DeadlineCount).
 QosPointer make_reader_qos(const EndpointQos& qos) { return make_qos(qos); }
 
-Expected<Participant> Participant::create(const BusOptions& options) {
+Expected<std::vector<std::string>> Participant::Impl::partitions(std::string_view topic,
+                                                                 const std::string& part,
+                                                                 bool is_reader) const {
+    if (!keys) return std::vector{part.empty() ? world : world + "/" + part};
+    const keys::Member& member = keys->member;
+    const keys::Topic* found = keys::find_topic(topic);
+    auto allowed = found == nullptr ? std::vector<std::string>()
+                   : is_reader      ? keys::partitions_read(member, *found)
+                                    : keys::partitions_written(member, *found);
+    if (allowed.empty())
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("the keys of {} do not allow to {} {}",
+                                      describe(member),
+                                      is_reader ? "read" : "publish",
+                                      topic));
+    // of the parts of a site each endpoint has one
+    if (!part.empty()) return std::vector{fmt::format("{}/part/{}", world, part)};
+    return allowed;
+}
+
+Expected<Participant> Participant::create(const BusOptions& given) {
+    BusOptions options = given;
+    if (auto entered = enter_keys(options); !entered) return tl::unexpected(entered.error());
     if (auto result = check_options(options); !result) return tl::unexpected(result.error());
     auto profiles = load_qos_profiles(options.profiles_file);
     if (!profiles) return tl::unexpected(profiles.error());
@@ -108,16 +135,16 @@ Expected<Participant> Participant::create(const BusOptions& options) {
     auto participant = own(dds_create_participant(options.domain, nullptr, nullptr),
                            "a participant; too many programs in this domain?");
     if (!participant) return tl::unexpected(participant.error());
-    const QosPointer qos = partition_qos(options.world);
+    const QosPointer qos = partition_qos({options.world});
     auto publisher =
         own(dds_create_publisher(participant->get(), qos.get(), nullptr), "a publisher");
     if (!publisher) return tl::unexpected(publisher.error());
     auto subscriber =
         own(dds_create_subscriber(participant->get(), qos.get(), nullptr), "a subscriber");
     if (!subscriber) return tl::unexpected(subscriber.error());
-    auto peers = PeerWatch::create(participant->get(), options.world);
+    auto peers = PeerWatch::create(participant->get(), options.world, options.keys != nullptr);
     if (!peers) return tl::unexpected(peers.error());
-    return Participant(std::shared_ptr<Impl>(new Impl{
+    Participant made(std::shared_ptr<Impl>(new Impl{
         std::move(*domain),
         std::move(*profiles),
         report_network(*network),
@@ -127,7 +154,18 @@ Expected<Participant> Participant::create(const BusOptions& options) {
         std::move(*participant),
         std::move(*publisher),
         std::move(*subscriber),
-        std::move(*peers)}));
+        std::move(*peers),
+        options.keys}));
+    if (options.keys) {
+        auto watch = KeyWatch::start(made, options.security, options.keys);
+        if (!watch) return tl::unexpected(watch.error());
+        made.key_watch_ = std::move(*watch);
+    }
+    return made;
+}
+
+const keys::Member* Participant::member() const {
+    return impl_->keys ? &impl_->keys->member : nullptr;
 }
 
 const NetworkReport& Participant::network() const { return impl_->network; }

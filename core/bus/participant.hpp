@@ -7,6 +7,9 @@
 #include "core/bus/qos_profiles.hpp"
 
 #include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace atrium::bus {
 
@@ -15,7 +18,7 @@ struct DeleteQos {
 };
 using QosPointer = std::unique_ptr<dds_qos_t, DeleteQos>;
 
-QosPointer partition_qos(const std::string& partition);
+QosPointer partition_qos(const std::vector<std::string>& partitions);
 QosPointer make_writer_qos(const EndpointQos& qos);
 QosPointer make_reader_qos(const EndpointQos& qos);
 
@@ -30,11 +33,14 @@ struct Participant::Impl {
     Entity publisher;   // in the world's partition
     Entity subscriber;  // in the world's partition
     PeerWatch peers;
+    std::shared_ptr<const keys::Bundle> keys;  // null: a world without keys
 
-    /// The partition of a part of the world; of the world itself if `part` is empty.
-    std::string partition(const std::string& part) const {
-        return part.empty() ? world : world + "/" + part;
-    }
+    /// The partitions of an endpoint of `topic`. Without keys that of the world, or that of a part
+    /// of it if `part` is not empty. With keys those that its permissions have (core/keys); fails
+    /// with kConfiguration if they have none.
+    Expected<std::vector<std::string>> partitions(std::string_view topic,
+                                                  const std::string& part,
+                                                  bool is_reader) const;
 };
 
 }  // namespace atrium::bus

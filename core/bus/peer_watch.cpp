@@ -1,5 +1,6 @@
 #include "core/bus/peer_watch.hpp"
 
+#include "core/bus/authentication.hpp"
 #include "core/bus/names.hpp"
 
 #include <fnmatch.h>
@@ -23,6 +24,16 @@ constexpr std::chrono::seconds kMatchTimeout{2};
 constexpr std::size_t kMaxRemembered = 4096;
 constexpr std::size_t kMaxLinesPerCall = 8;
 constexpr std::size_t kMaxOtherWorlds = 8;
+
+// As DDS matches partitions: one of two may be a pattern.
+bool have_common(const std::vector<std::string>& theirs, const std::vector<std::string>& ours) {
+    return std::ranges::any_of(theirs, [&ours](const std::string& their) {
+        return std::ranges::any_of(ours, [&their](const std::string& our) {
+            return ::fnmatch(their.c_str(), our.c_str(), 0) == 0 ||
+                   ::fnmatch(our.c_str(), their.c_str(), 0) == 0;
+        });
+    });
+}
 
 std::chrono::nanoseconds from_dds(dds_duration_t duration) {
     return duration == DDS_INFINITY ? kForever : std::chrono::nanoseconds(duration);
@@ -130,6 +141,7 @@ bool is_there(const Witness& witness) {
 struct PeerWatch::State {
     std::mutex mutex;
     std::string world;
+    bool has_keys = false;
     Entity publications;   // reader of DCPSPublication: the writers in the domain
     Entity subscriptions;  // reader of DCPSSubscription: the readers in the domain
     Entity participants;   // reader of DCPSParticipant: their processes
@@ -164,10 +176,13 @@ PeerWatch::Registration::~Registration() {
     state_->endpoints.erase(place_);
 }
 
-Expected<PeerWatch> PeerWatch::create(dds_entity_t participant, const std::string& world) {
+Expected<PeerWatch> PeerWatch::create(dds_entity_t participant,
+                                      const std::string& world,
+                                      bool has_keys) {
     PeerWatch watch;
     watch.state_ = std::make_shared<State>();
     watch.state_->world = world;
+    watch.state_->has_keys = has_keys;
     auto publications =
         own(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
             "a reader of DCPSPublication");
@@ -235,9 +250,7 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
     for (const WatchedEndpoint& ours : endpoints) {
         if (ours.is_reader != theirs_write || ours.topic_name != theirs.topic_name) continue;
         const std::vector<std::string> worlds = worlds_of(theirs.qos);
-        if (std::ranges::none_of(worlds, [&](const std::string& pattern) {
-                return ::fnmatch(pattern.c_str(), ours.partition.c_str(), 0) == 0;
-            })) {
+        if (!have_common(worlds, ours.partitions)) {
             const Entity& reader = theirs_write ? publications : subscriptions;
             remember_other_worlds(worlds, {reader.get(), handle});
             continue;
@@ -251,7 +264,10 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
                               theirs.type_name);
         } else if (policy.empty()) {
             if (!is_overdue(ours, handle)) continue;
-            why = "uses a type of the same name with other members; another version of Atrium";
+            why = has_keys
+                      ? "its keys do not allow it this topic, or it is another version of Atrium"
+                      : "uses a type of the same name with other members; another version of "
+                        "Atrium";
         } else {
             why = fmt::format(
                 "uses another {}: a reader asks for more than the writer offers; start both with "
@@ -310,6 +326,8 @@ std::string PeerWatch::State::name_of(const dds_guid_t& participant) {
              const std::string pid = property(found.qos, "__Pid");
              if (!host.empty()) name = fmt::format("{} pid {}", host, pid);
          });
+    const std::string member = has_keys ? proven_name(participant) : std::string();
+    if (!member.empty()) name = fmt::format("{} on {}", member, name);
     return name;
 }
 

@@ -13,7 +13,7 @@
 /// Finds programs of the world that are present but incompatible. Private to core/bus.
 namespace atrium::bus {
 
-/// The worlds of an endpoint: its partitions, names or patterns.
+/// The partitions of an endpoint, names or patterns.
 std::vector<std::string> worlds_of(const dds_qos_t* qos);
 
 /// A reader or writer of this process.
@@ -21,7 +21,7 @@ struct WatchedEndpoint {
     std::string topic_name;
     dds_entity_t topic = 0;
     dds_entity_t entity = 0;
-    std::string partition;
+    std::vector<std::string> partitions;  // names or patterns
     EndpointQos qos;
     bool is_reader = false;
 };
@@ -46,7 +46,9 @@ public:
         std::list<WatchedEndpoint>::iterator place_;
     };
 
-    static Expected<PeerWatch> create(dds_entity_t participant, const std::string& world);
+    static Expected<PeerWatch> create(dds_entity_t participant,
+                                      const std::string& world,
+                                      bool has_keys);
 
     Registration watch(WatchedEndpoint endpoint);
     /// Returns the mismatches found since the last call: one line per program, topic and reason,

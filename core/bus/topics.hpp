@@ -160,5 +160,9 @@ template <>
 struct Topic<Presence> : WireTopic<atrium_Presence, atrium_Presence_desc, kDescription> {
     static constexpr const char* kName = "Presence";
 };
+template <>
+struct Topic<RevokedKeys> : WireTopic<atrium_RevokedKeys, atrium_RevokedKeys_desc, kDescription> {
+    static constexpr const char* kName = "RevokedKeys";
+};
 
 }  // namespace atrium::bus

@@ -75,5 +75,6 @@ template void Waiter::add(const Reader<WorldStatus>&);
 template void Waiter::add(const Reader<ViewerStatus>&);
 template void Waiter::add(const Reader<StreamFeedback>&);
 template void Waiter::add(const Reader<Presence>&);
+template void Waiter::add(const Reader<RevokedKeys>&);
 
 }  // namespace atrium::bus

@@ -108,6 +108,25 @@ std::string subject_of(const Member& member) {
     return fmt::format("CN={},OU={},O={}", member.name, kind_text(member.kind), member.world);
 }
 
+std::optional<Member> member_of_subject(std::string_view subject) {
+    const auto next = [&subject](std::string_view key) -> std::string_view {
+        if (!subject.starts_with(key)) return {};
+        subject.remove_prefix(key.size());
+        const std::string_view word = subject.substr(0, subject.find(','));
+        subject.remove_prefix(std::min(subject.size(), word.size() + 1));
+        return word;
+    };
+    Member member;
+    member.name = next("CN=");
+    const auto kind = find_kind(next("OU="));
+    member.world = next("O=");
+    if (!kind) return std::nullopt;
+    member.kind = *kind;
+    // other texts may lead to the same member
+    if (!check(member) || !subject.empty()) return std::nullopt;
+    return member;
+}
+
 std::string describe(const Member& member) {
     return fmt::format("{} {} of world {}", kind_text(member.kind), member.name, member.world);
 }

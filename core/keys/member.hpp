@@ -79,6 +79,9 @@ Expected<void> check(const Member& member);
 /// DDS compares it with the subject in the permissions.
 std::string subject_of(const Member& member);
 
+/// The member of such a text, without rights; nullopt for any other text.
+std::optional<Member> member_of_subject(std::string_view subject);
+
 /// "site alice of world playroom", for messages.
 std::string describe(const Member& member);
 

@@ -30,6 +30,7 @@ constexpr std::array kTopics{
     Topic{"EditResult", Author::kWorld},
     Topic{"SavedWorlds", Author::kWorld},
     Topic{"WorldStatus", Author::kWorld},
+    Topic{"RevokedKeys", Author::kWorld},
     Topic{"ViewerStatus", Author::kViewer},
     Topic{"StreamFeedback", Author::kViewer, true},
     Topic{"SceneCommand", Author::kCommand},
@@ -112,6 +113,32 @@ std::vector<std::string> partitions_read(const Member& member, const Topic& topi
             return {world + "/world", world + "/site/*", world + "/viewer/*", world + "/monitor/*"};
     }
     return {};
+}
+
+std::optional<PartitionAuthor> author_of_partition(std::string_view partition,
+                                                   std::string_view world) {
+    if (!partition.starts_with(world)) return std::nullopt;
+    partition.remove_prefix(world.size());
+    if (partition == "/world") return PartitionAuthor{std::string(world), Kind::kWorld, {}};
+    const auto next = [&partition]() -> std::string_view {
+        if (!partition.starts_with('/')) return {};
+        partition.remove_prefix(1);
+        const std::string_view word = partition.substr(0, partition.find('/'));
+        partition.remove_prefix(word.size());
+        return word;
+    };
+    const std::string_view what = next();
+    const std::string_view name = next();
+    if (!check_key_name(name, "a member")) return std::nullopt;
+    if (what == "part") return PartitionAuthor{std::string(name), Kind::kSite, {}};
+    if (what == "command") {
+        const auto rights = rights_of_text(next());
+        if (!rights || !partition.empty()) return std::nullopt;
+        return PartitionAuthor{std::string(name), std::nullopt, *rights};
+    }
+    const auto kind = find_kind(what);
+    if (!kind || *kind == Kind::kWorld || !partition.empty()) return std::nullopt;
+    return PartitionAuthor{std::string(name), *kind, {}};
 }
 
 }  // namespace atrium::keys

@@ -43,4 +43,15 @@ std::optional<Author> author_of(std::string_view topic);
 std::vector<std::string> partitions_written(const Member& member, const Topic& topic);
 std::vector<std::string> partitions_read(const Member& member, const Topic& topic);
 
+/// Who writes in a partition, as permissions bind it.
+struct PartitionAuthor {
+    std::string name;
+    std::optional<Kind> kind;  // nullopt: of commands, from viewers or monitors
+    Rights rights;             // of commands only
+};
+/// The only member that may write in `partition` of `world`: the inverse of `partitions_written`.
+/// nullopt: nobody may.
+std::optional<PartitionAuthor> author_of_partition(std::string_view partition,
+                                                   std::string_view world);
+
 }  // namespace atrium::keys

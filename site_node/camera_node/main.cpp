@@ -1,5 +1,6 @@
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
+#include "core/bus/bus_options.hpp"
 #include "site_node/camera_node/camera_node.hpp"
 #include "site_node/list_cameras.hpp"
 
@@ -18,7 +19,7 @@ int main(int argc, char** argv) {
         "--segmentation.background_folder BACKGROUNDS",
         [&] { return config.list_cameras; },
         {},
-        {},
+        [&] { return bus::enter_keys(config.bus, keys::Kind::kSite, config.name); },
         [&] {
             site_node::resolve(config);
             return camera_node::check_files(config);

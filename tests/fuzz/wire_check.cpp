@@ -337,7 +337,8 @@ constexpr auto kChecks = checks_of<bus::SiteDescription,
                                    bus::WorldStatus,
                                    bus::ViewerStatus,
                                    bus::StreamFeedback,
-                                   bus::Presence>();
+                                   bus::Presence,
+                                   bus::RevokedKeys>();
 
 }  // namespace
 

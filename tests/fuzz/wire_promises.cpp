@@ -279,4 +279,8 @@ std::string broken_promise(const bus::Presence& message) {
     return unless(message.kind <= bus::ProgramKind::kRegionNode, "a kind of program");
 }
 
+std::string broken_promise(const bus::RevokedKeys& message) {
+    return unless(message.crl.size() <= bus::kMaxRevocationBytes, "a list of bounded size");
+}
+
 }  // namespace atrium::test

@@ -37,5 +37,6 @@ std::string broken_promise(const bus::WorldStatus& message);
 std::string broken_promise(const bus::ViewerStatus& message);
 std::string broken_promise(const bus::StreamFeedback& message);
 std::string broken_promise(const bus::Presence& message);
+std::string broken_promise(const bus::RevokedKeys& message);
 
 }  // namespace atrium::test

@@ -9,6 +9,7 @@
 #include "tools/demo/result_folder.hpp"
 #include "tools/demo/start_checks.hpp"
 #include "tools/demo/status_board.hpp"
+#include "tools/demo/throwaway_keys.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -62,14 +63,16 @@ public:
          bus::Writer<bus::SceneCommand> commands,
          std::vector<DemoSite> sites,
          const ResultFolder& folder,
-         std::string world)
+         std::string world,
+         const ThrowawayKeys* keys)
         : config_(config),
           sites_(std::move(sites)),
           folder_(folder),
           board_(std::move(board)),
           waiter_(std::move(waiter)),
           commands_(std::move(commands)),
-          world_(std::move(world)) {}
+          world_(std::move(world)),
+          keys_(keys) {}
 
     Expected<void> start_programs();
     Expected<void> wait_until_everybody_is_on(std::stop_token stop);
@@ -95,6 +98,7 @@ private:
     bus::Waiter waiter_;
     bus::Writer<bus::SceneCommand> commands_;
     std::string world_;
+    const ThrowawayKeys* keys_;  // null: without keys
     Display display_{std::chrono::ceil<Display::Clock::duration>(
         std::chrono::duration<double>(config_.table_seconds))};
     std::vector<ChildProcess> children_;
@@ -115,7 +119,9 @@ Expected<void> Demo::start(const std::string& name,
                     "--bus.domain",
                     std::to_string(config_.domain),
                     "--process.nice",
-                    std::to_string(nice)});
+                    std::to_string(nice),
+                    "--bus.security",
+                    keys_ == nullptr ? "none" : keys_->bundle_of(name).string()});
     auto child = ChildProcess::start(name, command, folder_.running() / (name + ".log"));
     if (!child) return tl::unexpected(child.error());
     children_.push_back(std::move(*child));
@@ -355,6 +361,10 @@ void declare(DemoConfig& config, config::OptionSet& options) {
     options.add("world-nice", config.world_nice, "process.nice of the world server", {-20, 19});
     options.add("viewer-nice", config.viewer_nice, "process.nice of the viewer", {-20, 19});
     options.add("domain", config.domain, "DDS domain", {0, bus::kMaxDomain});
+    options.add("secured",
+                config.secured,
+                "encrypt everything, and let only these programs in: with keys that are made for "
+                "this run (atrium keys) and removed at its end");
 }
 
 Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
@@ -369,6 +379,15 @@ Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
     const std::string world = fmt::format("demo-{}", getpid());
     bus::BusOptions options;
     options.world = world;
+    options.security = "none";
+    std::optional<ThrowawayKeys> keys;
+    if (config.secured) {
+        auto made = ThrowawayKeys::create(folder->running() / "keys", world, *sites);
+        if (!made) return tl::unexpected(made.error());
+        keys.emplace(std::move(*made));
+        options.security = keys->bundle_of("demo").string();
+        fmt::print("keys: made for this run; everything is encrypted\n");
+    }
     options.domain = static_cast<std::uint32_t>(config.domain);
     auto participant = bus::Participant::create(options);
     if (!participant) return tl::unexpected(participant.error());
@@ -386,7 +405,8 @@ Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
               std::move(*commands),
               std::move(*sites),
               *folder,
-              world);
+              world,
+              keys ? &*keys : nullptr);
     Expected<void> result = demo.start_programs();
     if (result) result = demo.wait_until_everybody_is_on(stop);
     if (result && !stop.stop_requested()) result = demo.measure(stop);

@@ -32,6 +32,7 @@ struct DemoConfig {
     int world_nice = 0;
     int viewer_nice = 2;
     std::uint64_t domain = 0;
+    bool secured = false;  // with keys that are made for this run
 };
 
 void declare(DemoConfig& config, config::OptionSet& options);

@@ -1,4 +1,5 @@
 #include "core/app/program.hpp"
+#include "core/bus/bus_options.hpp"
 #include "tools/monitor/monitor.hpp"
 
 int main(int argc, char** argv) {
@@ -18,7 +19,12 @@ int main(int argc, char** argv) {
             "  monitor --json --seconds 60 > world.jsonl\n"
             "  monitor --once --wait 5\n",
         .only_prints = [] { return true; },
-        .exit_codes = "3 if --once finds no program in the world"};
+        .exit_codes = "3 if --once finds no program in the world",
+        .check =
+            [&] {
+                std::string any;
+                return bus::enter_keys(config.bus, keys::Kind::kMonitor, any);
+            }};
     const app::Start start = app::start(info, options, argc, argv);
     if (!start.go_on) return start.exit_code;
     const auto done = monitor::run_monitor(config, stop.token());

@@ -1,4 +1,5 @@
 #include "core/app/program.hpp"
+#include "core/bus/bus_options.hpp"
 #include "tools/play/play.hpp"
 
 int main(int argc, char** argv) {
@@ -18,7 +19,15 @@ int main(int argc, char** argv) {
             "  atrium play evening.mcap --loop\n"
             "  atrium play evening.mcap --sites alice --rename alice=anna --world studio\n",
         .only_prints = [&] { return config.info; },
-        .check = [&] { return play::check(config); },
+        .check = [&]() -> Expected<void> {
+            if (auto fine = play::check(config); !fine) return fine;
+            if (auto entered = bus::enter_keys(config.bus); !entered) return entered;
+            if (!config.bus.keys) return {};
+            return make_error(ErrorKind::kConfiguration,
+                              "bus.security: play publishes in the names of all whom the recording "
+                              "has, and no keys allow that; play into a world without keys: "
+                              "--security none");
+        },
         .positional = "file"};
     const app::Start start = app::start(info, options, argc, argv);
     if (!start.go_on) return start.exit_code;

@@ -1,4 +1,5 @@
 #include "core/app/program.hpp"
+#include "core/bus/bus_options.hpp"
 #include "tools/record/record.hpp"
 
 int main(int argc, char** argv) {
@@ -19,7 +20,11 @@ int main(int argc, char** argv) {
             "host\n"
             "  atrium record --cut_mb 1000 --seconds 3600 -o day.mcap\n",
         .exit_codes = "3 also if nothing came, or the disk is full",
-        .check = [&] { return record_tool::check(config); }};
+        .check = [&]() -> Expected<void> {
+            if (auto fine = record_tool::check(config); !fine) return fine;
+            std::string any;
+            return bus::enter_keys(config.bus, keys::Kind::kMonitor, any);
+        }};
     const app::Start start = app::start(info, options, argc, argv);
     if (!start.go_on) return start.exit_code;
     const auto done = record_tool::run_record(config, stop.token());

@@ -23,6 +23,12 @@ constexpr std::chrono::seconds kEnd{30};  // to write what waits
 constexpr std::chrono::seconds kRoomTellPeriod{10};
 constexpr std::chrono::milliseconds kRoomLook{100};
 
+// In a world with keys the name must begin with that of the keys.
+std::string sender_of(const bus::Participant& participant) {
+    if (const keys::Member* member = participant.member()) return member->name;
+    return fmt::format("record-{}-{}", presence::host_name().substr(0, 40), ::getpid());
+}
+
 class RoomOrder {
 public:
     RoomOrder(const RoomOrderConfig& config,
@@ -35,7 +41,7 @@ public:
           waiter_(std::move(waiter)),
           states_(std::move(states)),
           orders_(std::move(orders)),
-          sender_(fmt::format("record-{}-{}", presence::host_name().substr(0, 40), ::getpid())) {}
+          sender_(sender_of(participant_)) {}
 
     Expected<void> run(const std::stop_token& stop) {
         // Once the site's state is here, its reader of orders is known, too.

@@ -17,8 +17,8 @@ struct Right {
     bool allows(const std::string& sender) const;
 };
 
-/// Rights of senders according to the world file. Senders are not authenticated: their names are
-/// unique in the world, but unproven.
+/// Rights of senders according to the world file. In a world with keys the names are proven; in one
+/// without they are unique, but anybody may take any of them.
 struct Rights {
     Right add;
     Right remove;

@@ -35,7 +35,8 @@ using AllMessages = ::testing::Types<SiteDescription,
                                      WorldStatus,
                                      ViewerStatus,
                                      StreamFeedback,
-                                     Presence>;
+                                     Presence,
+                                     RevokedKeys>;
 
 /// Those of `raw_topics`: not between the hosts of one site.
 using RawMessages = ::testing::Types<SiteDescription,

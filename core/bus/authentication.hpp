@@ -1,0 +1,30 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+
+#include <dds/dds.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+/// Watches the authentication of other programs: wraps Cyclone's plugin, which reads the list of
+/// revoked keys only once and does not say whom it refuses. Private to core/bus.
+namespace atrium::bus {
+
+/// Loads Cyclone's plugin and ours (authentication_plugin.cpp) and returns the path of ours, for
+/// Cyclone's settings. Fails with kNotFound if one of both is not installed.
+Expected<std::string> install_authentication();
+
+/// Cuts all programs of `world` whose key has one of these serial numbers (keys::Revocation) off
+/// from this process, and refuses them from now on. The lists of several calls add up. Returns
+/// whom it cut off: "viewer bob". Thread-safe.
+std::vector<std::string> refuse_keys(const std::string& world,
+                                     const std::set<std::string>& serials);
+
+/// The member whose key a program has proven: "viewer bob"; empty: none. Thread-safe.
+std::string proven_name(const dds_guid_t& participant);
+/// The same for the first program whose GUID is in a line that Cyclone logs. Thread-safe.
+std::string proven_name_in(const std::string& line);
+
+}  // namespace atrium::bus

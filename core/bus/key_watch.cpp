@@ -1,0 +1,166 @@
+#include "core/bus/key_watch.hpp"
+
+#include "core/bus/authentication.hpp"
+#include "core/bus/dds_log.hpp"
+#include "core/keys/certificates.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace atrium::bus {
+namespace {
+
+constexpr std::chrono::milliseconds kLookAtFile{500};
+constexpr std::chrono::hours kSoon{30 * 24};
+
+void log_line(const std::string& line) { DdsLog::of_process().add(line, line); }
+
+std::filesystem::file_time_type time_of_file(const std::string& file) {
+    std::error_code error;
+    const auto time = std::filesystem::last_write_time(file, error);
+    return error ? std::filesystem::file_time_type{} : time;
+}
+
+}  // namespace
+
+struct KeyWatch::Impl {
+    std::string file;
+    std::shared_ptr<const keys::Bundle> bundle;
+    keys::CertificateFacts own;
+    std::filesystem::file_time_type file_time;
+    std::set<std::string> serials;
+    std::optional<Reader<RevokedKeys>> reader;
+    std::optional<Writer<RevokedKeys>> writer;  // of world servers
+    std::optional<Waiter> waiter;
+    bool has_expired = false;
+    std::jthread thread;  // last: ends before the rest goes
+
+    Expected<void> open(const Participant& participant);
+    void use(const std::string& crl, const std::string& from);
+    void publish(const std::string& crl);
+    void look_at_file();
+    void look_at_own_key();
+    void serve(std::stop_token stop);
+};
+
+Expected<void> KeyWatch::Impl::open(const Participant& participant) {
+    const auto facts = keys::facts_of_certificate(bundle->certificate);
+    if (!facts) return tl::unexpected(facts.error());
+    own = *facts;
+    file_time = time_of_file(file);
+    auto made_reader = Reader<RevokedKeys>::create(participant);
+    if (!made_reader) return tl::unexpected(made_reader.error());
+    reader = std::move(*made_reader);
+    auto made_waiter = Waiter::create(participant);
+    if (!made_waiter) return tl::unexpected(made_waiter.error());
+    waiter = std::move(*made_waiter);
+    waiter->add(*reader);
+    if (bundle->member.kind == keys::Kind::kWorld) {
+        auto made_writer = Writer<RevokedKeys>::create(participant);
+        if (!made_writer) return tl::unexpected(made_writer.error());
+        writer = std::move(*made_writer);
+        publish(bundle->crl);
+    }
+    return {};
+}
+
+void KeyWatch::Impl::publish(const std::string& crl) {
+    const RevokedKeys list{bundle->member.world, {crl.begin(), crl.end()}};
+    if (const auto written = writer->write(list); !written)
+        log_line(fmt::format("keys_not_published reason=\"{}\"", written.error().message));
+}
+
+void KeyWatch::Impl::use(const std::string& crl, const std::string& from) {
+    const auto revoked = keys::read_crl(crl, bundle->identity_ca);
+    if (!revoked) {
+        log_line(
+            fmt::format("keys_not_taken from=\"{}\" reason=\"{}\"", from, revoked.error().message));
+        return;
+    }
+    std::set<std::string> added;
+    for (const keys::Revocation& entry : *revoked)
+        if (serials.insert(entry.serial).second) added.insert(entry.serial);
+    if (added.empty()) return;
+    const auto cut = refuse_keys(bundle->member.world, added);
+    for (const std::string& name : cut)
+        log_line(fmt::format(
+            "cut_off peer=\"{}\" reason=\"its key is revoked\" list=\"{}\"", name, from));
+    if (added.contains(own.serial))
+        log_line(
+            "own_key_revoked others cut this program off; if it shall go on, its owner runs "
+            "`atrium keys renew` and exports a new bundle");
+}
+
+void KeyWatch::Impl::look_at_file() {
+    const auto time = time_of_file(file);
+    if (time == file_time) return;
+    file_time = time;
+    const auto now = keys::read_bundle(file);
+    if (!now) return log_line(fmt::format("bundle_not_read reason=\"{}\"", now.error().message));
+    if (now->identity_ca != bundle->identity_ca)
+        return log_line(
+            fmt::format("bundle_of_other_keys file={} it is of another key store: "
+                        "start this program again to use it",
+                        file));
+    use(now->crl, file);
+    if (writer) publish(now->crl);
+    if (now->certificate != bundle->certificate)
+        log_line(
+            fmt::format("bundle_has_a_new_key file={} start this program again to use it", file));
+}
+
+void KeyWatch::Impl::look_at_own_key() {
+    if (has_expired || Timestamp::now() < own.validity.end) return;
+    has_expired = true;
+    log_line(
+        fmt::format("own_key_expired at={} others cut this program off: its owner runs "
+                    "`atrium keys renew {}`, exports a new bundle, and starts it again",
+                    keys::time_text(own.validity.end),
+                    bundle->member.name));
+}
+
+void KeyWatch::Impl::serve(std::stop_token stop) {
+    const std::stop_callback wake(stop, [this] { waiter->wake(); });
+    use(bundle->crl, file);
+    if (own.validity.end - Timestamp::now() < kSoon)
+        log_line(
+            fmt::format("own_key_expires at={} its owner runs `atrium keys renew {}` and "
+                        "exports a new bundle before",
+                        keys::time_text(own.validity.end),
+                        bundle->member.name));
+    while (!stop.stop_requested()) {
+        waiter->wait(kLookAtFile);
+        reader->take([this](RevokedKeys&& list) {
+            use({list.crl.begin(), list.crl.end()}, "world server");
+        });
+        look_at_file();
+        look_at_own_key();
+    }
+}
+
+KeyWatch::KeyWatch(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+KeyWatch::~KeyWatch() = default;
+
+Expected<std::shared_ptr<KeyWatch>> KeyWatch::start(const Participant& participant,
+                                                    const std::string& file,
+                                                    std::shared_ptr<const keys::Bundle> bundle) {
+    auto impl = std::make_unique<Impl>();
+    impl->file = file;
+    impl->bundle = std::move(bundle);
+    if (auto opened = impl->open(participant); !opened) return tl::unexpected(opened.error());
+    Impl& self = *impl;
+    auto watch = std::make_shared<KeyWatch>(std::move(impl));
+    self.thread = std::jthread([&self](std::stop_token stop) { self.serve(stop); });
+    pthread_setname_np(self.thread.native_handle(), "keys");
+    return watch;
+}
+
+}  // namespace atrium::bus
