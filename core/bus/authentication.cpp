@@ -34,6 +34,7 @@ struct Peer {
     std::string name;  // "viewer bob"
     std::string world;
     std::string serial;  // of its certificate
+    Timestamp end;       // of its validity
 };
 
 /// One loaded plugin: that of a domain.
@@ -98,7 +99,8 @@ std::optional<Peer> peer_of(std::string certificate) {
     if (!member) return std::nullopt;
     return Peer{fmt::format("{} {}", keys::kind_text(member->kind), member->name),
                 member->world,
-                facts->serial};
+                facts->serial,
+                facts->validity.end};
 }
 
 void log_refusal(const std::string& who, const std::string& why) {
@@ -107,6 +109,11 @@ void log_refusal(const std::string& who, const std::string& why) {
         if (c < ' ' || c > '~' || c == '"') c = ' ';
     DdsLog::of_process().add(fmt::format("keys {} {}", who, line.substr(0, 40)),
                              fmt::format("refused peer=\"{}\" reason=\"{}\"", who, line));
+}
+
+void log_cut(const std::string& who, const std::string& why) {
+    const std::string line = fmt::format("cut_off peer=\"{}\" reason=\"{}\"", who, why);
+    DdsLog::of_process().add(line, line);
 }
 
 const Plugin& original_of(const Plugin* plugin) {
@@ -248,6 +255,10 @@ DDS_Security_boolean return_identity_handle(Plugin* plugin,
         Process& all = process();
         const std::lock_guard lock(all.mutex);
         Instance& instance = all.instances.at(plugin);
+        // Cyclone cuts it off without a word.
+        const auto peer = instance.peers.find(identity);
+        if (peer != instance.peers.end() && Timestamp::now() >= peer->second.end)
+            log_cut(peer->second.name, "its key has expired");
         instance.peers.erase(identity);
         instance.guids.erase(identity);
     }
@@ -364,8 +375,7 @@ Expected<std::string> install_authentication() {
     return all.path;
 }
 
-std::vector<std::string> refuse_keys(const std::string& world,
-                                     const std::set<std::string>& serials) {
+void refuse_keys(const std::string& world, const std::set<std::string>& serials) {
     struct Cut {
         const dds_security_authentication_listener* listener;
         const Plugin* plugin;
@@ -384,12 +394,10 @@ std::vector<std::string> refuse_keys(const std::string& world,
             }
         }
     }
-    std::vector<std::string> names;
     for (const Cut& cut : cuts) {
+        log_cut(cut.name, "its key is revoked");
         if (cut.listener != nullptr) cut.listener->on_revoke_identity(cut.plugin, cut.identity);
-        names.push_back(cut.name);
     }
-    return names;
 }
 
 std::string proven_name(const dds_guid_t& participant) {

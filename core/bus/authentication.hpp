@@ -6,7 +6,6 @@
 
 #include <set>
 #include <string>
-#include <vector>
 
 /// Watches the authentication of other programs: wraps Cyclone's plugin, which reads the list of
 /// revoked keys only once and does not say whom it refuses. Private to core/bus.
@@ -17,10 +16,9 @@ namespace atrium::bus {
 Expected<std::string> install_authentication();
 
 /// Cuts all programs of `world` whose key has one of these serial numbers (keys::Revocation) off
-/// from this process, and refuses them from now on. The lists of several calls add up. Returns
-/// whom it cut off: "viewer bob". Thread-safe.
-std::vector<std::string> refuse_keys(const std::string& world,
-                                     const std::set<std::string>& serials);
+/// from this process, and refuses them from now on. The lists of several calls add up.
+/// Thread-safe.
+void refuse_keys(const std::string& world, const std::set<std::string>& serials);
 
 /// The member whose key a program has proven: "viewer bob"; empty: none. Thread-safe.
 std::string proven_name(const dds_guid_t& participant);

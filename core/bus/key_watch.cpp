@@ -88,10 +88,7 @@ void KeyWatch::Impl::use(const std::string& crl, const std::string& from) {
     for (const keys::Revocation& entry : *revoked)
         if (serials.insert(entry.serial).second) added.insert(entry.serial);
     if (added.empty()) return;
-    const auto cut = refuse_keys(bundle->member.world, added);
-    for (const std::string& name : cut)
-        log_line(fmt::format(
-            "cut_off peer=\"{}\" reason=\"its key is revoked\" list=\"{}\"", name, from));
+    refuse_keys(bundle->member.world, added);
     if (added.contains(own.serial))
         log_line(
             "own_key_revoked others cut this program off; if it shall go on, its owner runs "

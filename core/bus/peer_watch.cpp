@@ -1,6 +1,7 @@
 #include "core/bus/peer_watch.hpp"
 
 #include "core/bus/authentication.hpp"
+#include "core/bus/dds_log.hpp"
 #include "core/bus/names.hpp"
 
 #include <fnmatch.h>
@@ -20,6 +21,7 @@ namespace {
 constexpr int kMaxRead = 4096;  // endpoints read at once
 // Cyclone matches two endpoints shortly after it announces them.
 constexpr std::chrono::seconds kMatchTimeout{2};
+constexpr std::chrono::seconds kProofTimeout{3};  // for the handshake of keys
 // Limits on data from untrusted senders.
 constexpr std::size_t kMaxRemembered = 4096;
 constexpr std::size_t kMaxLinesPerCall = 8;
@@ -152,6 +154,12 @@ struct PeerWatch::State {
     std::map<std::pair<dds_entity_t, dds_instance_handle_t>, std::chrono::steady_clock::time_point>
         waiting;              // compatible pairs that are not matched yet, and since when
     bool look_again = false;  // compare all endpoints again, because of `waiting`
+    std::string own;          // participant
+    struct Stranger {
+        std::chrono::steady_clock::time_point since;
+        bool is_reported = false;
+    };
+    std::map<std::string, Stranger> strangers;  // participants that have proven no key
 
     void look(const Entity& builtin, bool theirs_write, std::vector<std::string>& lines);
     void compare(const dds_builtintopic_endpoint_t& theirs,
@@ -161,6 +169,7 @@ struct PeerWatch::State {
     void remember_other_worlds(const std::vector<std::string>& worlds, const Witness& witness);
     void forget_gone_worlds();
     bool is_overdue(const WatchedEndpoint& ours, dds_instance_handle_t theirs);
+    void look_for_strangers();
     std::string name_of(const dds_guid_t& participant);
 };
 
@@ -183,6 +192,9 @@ Expected<PeerWatch> PeerWatch::create(dds_entity_t participant,
     watch.state_ = std::make_shared<State>();
     watch.state_->world = world;
     watch.state_->has_keys = has_keys;
+    dds_guid_t guid{};
+    dds_get_guid(participant, &guid);
+    watch.state_->own = text_of(guid);
     auto publications =
         own(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
             "a reader of DCPSPublication");
@@ -219,6 +231,7 @@ std::vector<std::string> PeerWatch::take_mismatches() {
     state_->look(state_->publications, true, lines);
     state_->look(state_->subscriptions, false, lines);
     state_->endpoints_changed = false;
+    if (state_->has_keys) state_->look_for_strangers();
     return lines;
 }
 
@@ -313,6 +326,34 @@ bool PeerWatch::State::is_overdue(const WatchedEndpoint& ours, dds_instance_hand
         return false;
     }
     return true;
+}
+
+// Cyclone refuses a program without keys silently.
+void PeerWatch::State::look_for_strangers() {
+    const auto now = std::chrono::steady_clock::now();
+    std::map<std::string, Stranger> still_there;
+    each(participants.get(),
+         DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE,
+         [&](const void* sample, dds_instance_handle_t /*handle*/) {
+             const auto& found = *static_cast<const dds_builtintopic_participant_t*>(sample);
+             const std::string guid = text_of(found.key);
+             if (guid == own || still_there.size() >= kMaxRemembered) return;
+             if (!proven_name(found.key).empty()) return;
+             const auto known = strangers.find(guid);
+             Stranger stranger = known == strangers.end() ? Stranger{now} : known->second;
+             if (!stranger.is_reported && now - stranger.since >= kProofTimeout) {
+                 stranger.is_reported = true;
+                 const std::string host = property(found.qos, "__Hostname");
+                 DdsLog::of_process().add(
+                     "without keys " + host,
+                     fmt::format("refused peer=\"{} pid {}\" reason=\"without keys, or without "
+                                 "those of this world\"",
+                                 host.empty() ? "unknown host" : host,
+                                 property(found.qos, "__Pid")));
+             }
+             still_there.emplace(guid, stranger);
+         });
+    strangers = std::move(still_there);
 }
 
 std::string PeerWatch::State::name_of(const dds_guid_t& participant) {

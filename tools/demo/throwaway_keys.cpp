@@ -8,12 +8,12 @@
 namespace atrium::demo {
 namespace {
 
-constexpr int kOneDay = 1;
+constexpr int kDays = 60;  // none is near its end: that is warned about
 
 Expected<void> add(keys::KeyStore& store,
                    const keys::Member& member,
                    const std::filesystem::path& file) {
-    if (auto added = store.add(member, kOneDay, Timestamp::now()); !added)
+    if (auto added = store.add(member, kDays, Timestamp::now()); !added)
         return tl::unexpected(added.error());
     const auto bundle = store.bundle(member.name);
     if (!bundle) return tl::unexpected(bundle.error());
@@ -26,7 +26,7 @@ Expected<ThrowawayKeys> ThrowawayKeys::create(const std::filesystem::path& folde
                                               const std::string& world,
                                               const std::vector<DemoSite>& sites) {
     ThrowawayKeys keys(folder);
-    auto store = keys::KeyStore::create(folder, world, kOneDay, Timestamp::now());
+    auto store = keys::KeyStore::create(folder, world, kDays, Timestamp::now());
     if (!store) return tl::unexpected(store.error());
     std::vector<std::pair<keys::Member, std::string>> members{
         {{world, keys::Kind::kWorld, world, {}}, "world"},

@@ -9,7 +9,7 @@
 
 namespace atrium::demo {
 
-/// Keys for the programs of one demo, valid for a day. The folder goes with this object.
+/// Keys for the programs of one demo. The folder goes with this object.
 class ThrowawayKeys {
 public:
     /// Makes keys for the sites, "world", "viewer" and "demo" (a monitor, which may reset).

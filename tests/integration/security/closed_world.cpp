@@ -1,0 +1,180 @@
+#include "tests/integration/security/closed_world.hpp"
+
+#include "core/config/rig.hpp"
+#include "core/keys/private_file.hpp"
+#include "tests/support/source_dir.hpp"
+#include "tests/unit/site_node/capsule_room.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+namespace atrium::test {
+namespace {
+
+constexpr const char* kWorldName = "playroom";
+
+// A person who sways, as masks of eight cameras.
+void write_recording(const fs::path& folder) {
+    const fs::path file = source_dir() + "/deploy/rigs/full_body.toml";
+    fs::create_directories(folder);
+    fs::copy_file(file, folder / "rig.toml");
+    const config::Rig rig = value(config::load_rig(file));
+    for (int instant = 0; instant < 4; ++instant) {
+        const auto body =
+            site_node::test::make_body({0.05 * instant, 0.1 * std::sin(instant), 0.0});
+        for (const geometry::CalibratedCamera& camera : rig.cameras) {
+            const image::Mask mask = site_node::test::draw(body, camera);
+            const cv::Mat white(
+                mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.row(0)));
+            const cv::Mat picture = 90 + 0.4 * white;
+            for (const auto& [what, pixels] :
+                 {std::pair("frames", picture), std::pair("silhouettes", white)}) {
+                fs::create_directories(folder / camera.name / what);
+                const std::string name = fmt::format("{:06}.png", instant);
+                if (!cv::imwrite((folder / camera.name / what / name).string(), pixels))
+                    throw std::runtime_error("cannot write " + folder.string());
+            }
+        }
+    }
+}
+
+}  // namespace
+
+ClosedWorld::ClosedWorld(std::uint32_t domain)
+    : domain_(domain),
+      store_(value(
+          keys::KeyStore::create(folder_ / "playroom.keys", kWorldName, 365, Timestamp::now()))) {
+    write_recording(folder_ / "recording");
+    std::ofstream(folder_ / "alice.toml") << fmt::format(R"([site]
+name = "alice"
+[capture]
+source = "recording"
+recording = "{}"
+rate_hz = 10
+min_cameras = 4
+loop = true
+aligned = true
+)",
+                                                         (folder_ / "recording").string());
+    std::ofstream(folder_ / "world.toml") << R"([[object]]
+name = "box"
+shape = "box"
+size_m = [0.2, 0.2, 0.2]
+position_m = [0, 0, 1]
+mass_kg = 1
+)";
+    add(keys::Kind::kWorld, kWorldName);
+    add(keys::Kind::kSite, "alice");
+    const fs::path mona = add(keys::Kind::kMonitor, "mona");
+    world_server_ = start("world_server",
+                          {"--config",
+                           (folder_ / "world.toml").string(),
+                           "--security",
+                           (folder_ / "playroom.bundle").string()});
+    alice_ = start("site_node",
+                   {"--config",
+                    (folder_ / "alice.toml").string(),
+                    "--security",
+                    (folder_ / "alice.bundle").string()});
+    bus::BusOptions options;
+    options.domain = domain_;
+    options.security = mona.string();
+    monitor_ = value(bus::Participant::create(options));
+    meshes_ = value(bus::Reader<bus::SiteMesh>::create(*monitor_));
+    states_ = value(bus::Reader<bus::SceneState>::create(*monitor_));
+    placements_ = value(bus::Reader<bus::SitePlacement>::create(*monitor_));
+    waiter_ = value(bus::Waiter::create(*monitor_));
+    waiter_->add(*meshes_);
+    if (!wait_until([this] { return num_meshes_ >= 5 && num_states_ > 0; },
+                    std::chrono::seconds(60)))
+        throw std::runtime_error("alice or the world server publishes nothing:\n" + logs());
+}
+
+ClosedWorld::~ClosedWorld() {
+    for (HostedProcess* program : {alice_.get(), world_server_.get()}) {
+        if (program == nullptr) continue;
+        program->signal(SIGTERM);
+        program->wait(std::chrono::seconds(60));
+    }
+}
+
+fs::path ClosedWorld::add(
+    keys::Kind kind, const std::string& name, keys::Rights rights, Timestamp now, int days) {
+    value(store_.add({kWorldName, kind, name, rights}, days, now));
+    return export_bundle(name);
+}
+
+fs::path ClosedWorld::export_bundle(const std::string& name) {
+    return write(name + ".bundle", keys::bundle_text(value(store_.bundle(name))));
+}
+
+fs::path ClosedWorld::write(const std::string& name, const std::string& text) const {
+    const fs::path file = folder_ / name;
+    if (!keys::write_private_file(file, text, keys::Existing::kReplace))
+        throw std::runtime_error("cannot write " + file.string());
+    return file;
+}
+
+std::unique_ptr<HostedProcess> ClosedWorld::start(const std::string& program,
+                                                  const std::vector<std::string>& arguments) const {
+    std::vector<std::string> command{std::string(ATRIUM_BIN_DIR) + "/" + program};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const bool is_ours = program != "security_attacker";
+    command.insert(command.end(), {is_ours ? "--bus.domain" : "--domain", std::to_string(domain_)});
+    return value(HostedProcess::start(command));
+}
+
+std::string ClosedWorld::take() {
+    std::string wrong;
+    meshes_->take(
+        [&](bus::SiteMesh&& mesh) {
+            if (mesh.site != "alice") {
+                wrong = "a mesh of " + mesh.site;
+            } else if (last_frame_ != 0 && mesh.frame_id != last_frame_ + 1) {
+                wrong = fmt::format("frame {} after {}", mesh.frame_id, last_frame_);
+            }
+            last_frame_ = mesh.frame_id;
+            last_mesh_ = std::move(mesh.draco);
+            ++num_meshes_;
+        },
+        [&](const bus::SiteMesh& gone, bus::Ending) { wrong = "the end of " + gone.site; });
+    states_->take([&](bus::SceneState&& state) {
+        ++num_states_;
+        if (state.world != kWorldName) wrong = "a state of " + state.world;
+        for (const bus::ObjectState& object : state.objects)
+            if (object.object == kForgedObject) wrong = "a forged state";
+    });
+    placements_->take([&](bus::SitePlacement&& placement) {
+        if (placement.site != "alice") wrong = "a forged placement";
+    });
+    for (const std::string& line : monitor_->take_mismatches()) own_log_ += line + "\n";
+    for (const std::string& line : monitor_->take_dds_log()) own_log_ += line + "\n";
+    return wrong;
+}
+
+std::string ClosedWorld::logs() const {
+    return "--- world server\n" + world_server_->output() + "--- alice\n" + alice_->output() +
+           "--- monitor\n" + own_log_;
+}
+
+bool ClosedWorld::wait_until(const std::function<bool()>& condition,
+                             std::chrono::milliseconds patience) {
+    const auto end = std::chrono::steady_clock::now() + patience;
+    while (std::chrono::steady_clock::now() < end) {
+        waiter_->wait(std::chrono::milliseconds(50));
+        if (const std::string wrong = take(); !wrong.empty()) {
+            ADD_FAILURE() << wrong;
+            return false;
+        }
+        if (condition()) return true;
+    }
+    return false;
+}
+
+}  // namespace atrium::test
