@@ -75,6 +75,7 @@ if(TARGET graphics_probe) # the doctor asks it whether EGL draws
     install(TARGETS graphics_probe RUNTIME DESTINATION ${atrium_bin} COMPONENT atrium-tools)
 endif()
 atrium_command(keys keys atrium-tools)
+atrium_command(tunnel tunnel atrium-tools)
 atrium_command(plan plan atrium-tools)
 atrium_command(record record atrium-tools)
 atrium_command(play play atrium-tools)
@@ -87,6 +88,8 @@ get_property(atrium_links GLOBAL PROPERTY atrium_links)
 add_custom_target(atrium_commands ALL DEPENDS ${atrium_links})
 add_dependencies(programs atrium_commands)
 
+# programs find it in the folder lib/atrium above their own
+install(TARGETS atrium_authentication LIBRARY DESTINATION lib/atrium COMPONENT atrium-common)
 install(TARGETS atrium RUNTIME DESTINATION ${atrium_bin} COMPONENT atrium-common)
 _atrium_install_link(../lib/atrium/bin/atrium bin/atrium atrium-common)
 _atrium_manual(atrium atrium atrium-common "")

@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/bus/bus.hpp"
 #include "core/bus/entity.hpp"
+#include "core/bus/wire.hpp"
 #include "core/keys/topics.hpp"
 
 #include <functional>
@@ -67,6 +68,12 @@ private:
 
 /// The claim of an instance from its key as Cyclone holds it: of a wire struct with key fields.
 using ClaimOfKey = std::optional<Claim> (*)(const void* wire);
+
+template <typename Message>
+std::optional<Claim> claim_of_key(const void* wire) {
+    const auto key = key_from_wire<Message>(*static_cast<const WireOf<Message>*>(wire));
+    return key ? std::optional(claim_of(*key)) : std::nullopt;
+}
 
 /// Creates a reader whose cache takes only what authors may write: no sample, dispose or end of
 /// life of others changes an instance, and none counts in the cache's limits. What is refused is

@@ -30,6 +30,8 @@ struct BusOptions {
     std::filesystem::path profiles_file;  // OMG DDS-XML; empty: embedded qos/profiles.xml
     /// Bundle of keys (core/keys), or "none". Empty: as `enter_keys` finds it.
     std::string security;
+    /// As `security`, of an invitation: its tunnel is then the network.
+    std::string join;
     std::shared_ptr<const keys::Bundle> keys;  // read by `enter_keys`; null: a world without keys
 };
 

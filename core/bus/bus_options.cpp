@@ -1,9 +1,11 @@
 #include "core/bus/bus_options.hpp"
 
 #include "core/bus/limits.hpp"
+#include "core/bus/network_settings.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 namespace atrium::bus {
@@ -41,11 +43,17 @@ void declare(BusOptions& options, config::OptionSet& set) {
         "to all without keys; empty: $ATRIUM_SECURITY",
         {"none"});
     set.add_alias("security");
+    set.add("bus.join",
+            options.join,
+            "invitation of `atrium keys invite`: the keys, and the way through the internet");
+    set.add_alias("join");
 }
 
 namespace {
 
-std::string file_of_bundle(const std::string& option) {
+std::string file_of_bundle(const BusOptions& options) {
+    if (!options.join.empty()) return options.join;
+    const std::string& option = options.security;
     if (!option.empty()) return option == "none" ? std::string() : option;
     if (const char* file = std::getenv("ATRIUM_SECURITY"); file != nullptr && *file != '\0')
         return std::string_view(file) == "none" ? std::string() : file;
@@ -60,11 +68,38 @@ tl::unexpected<Error> wrong_keys(const std::string& what) {
     return make_error(ErrorKind::kConfiguration, "bus.security: " + what);
 }
 
+Expected<void> enter_tunnel(BusOptions& options,
+                            const std::string& file,
+                            const keys::Bundle& bundle) {
+    if (!bundle.tunnel)
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("bus.join: {} has no tunnel: take a file of `atrium keys "
+                                      "invite`, or give this one with --security",
+                                      file));
+    const std::string card = keys::tunnel_card(bundle.member.world);
+    const auto cards = network_cards();
+    const bool is_up = std::ranges::any_of(
+        cards, [&](const NetworkCard& known) { return known.name == card && known.is_up; });
+    if (!is_up)
+        return make_error(ErrorKind::kUnavailable,
+                          fmt::format("bus.join: the tunnel {} is not up: run `sudo atrium tunnel "
+                                      "up '{}'`",
+                                      card,
+                                      file));
+    options.network = "wan";
+    options.interface = card;
+    for (const keys::Place& place : bundle.tunnel->places) {
+        if (place.name == bundle.member.name) continue;
+        options.peers += (options.peers.empty() ? "" : ",") + place.address;
+    }
+    return {};
+}
+
 }  // namespace
 
 Expected<void> enter_keys(BusOptions& options) {
     if (options.keys) return {};
-    const std::string file = file_of_bundle(options.security);
+    const std::string file = file_of_bundle(options);
     if (file.empty()) return {};
     const auto bundle = keys::read_bundle(file);
     if (!bundle) {
@@ -84,6 +119,9 @@ Expected<void> enter_keys(BusOptions& options) {
                         file,
                         member.world,
                         world));
+    if (!options.join.empty()) {
+        if (auto entered = enter_tunnel(options, file, *bundle); !entered) return entered;
+    }
     options.world = member.world;
     options.security = std::filesystem::absolute(file).string();
     options.keys = std::make_shared<const keys::Bundle>(*bundle);

@@ -6,14 +6,15 @@
 namespace atrium::bus {
 
 /// Declares the bus options that all programs share: `bus.world`, `bus.domain`, `bus.network`,
-/// `bus.peers`, `bus.interface`, `bus.profiles_file`, `bus.security`.
+/// `bus.peers`, `bus.interface`, `bus.profiles_file`, `bus.security`, `bus.join`.
 void declare(BusOptions& options, config::OptionSet& set);
 
 /// Without `options.keys`, reads the bundle that `options.security` names; if that is empty, the
 /// environment variable ATRIUM_SECURITY; else `bundle` among the credentials of systemd. Checks it,
-/// sets `options.keys`, and `options.world` to its world. Does nothing if there is no bundle. Fails
-/// as keys::read_bundle and keys::check do, and with kConfiguration if `options.world` is set to
-/// another world.
+/// sets `options.keys`, and `options.world` to its world. With `options.join` also sets network,
+/// interface and peers to those of its tunnel. Does nothing if there is no bundle. Fails as
+/// keys::read_bundle and keys::check do, with kConfiguration if `options.world` is set to another
+/// world or there is no tunnel in the file, with kUnavailable if the tunnel is not up.
 Expected<void> enter_keys(BusOptions& options);
 
 /// As `enter_keys` for a program whose keys must be of `kind`, and with its name: an empty one

@@ -101,6 +101,10 @@ void DdsLog::add(const std::string& kind, const std::string& line) {
 
 void DdsLog::count(const std::string& kind, const std::string& line) {
     const auto found = kinds_.find(kind);
+    if (found == kinds_.end() && kinds_.size() >= kMaxKinds)
+        std::erase_if(kinds_, [this](const auto& old) {
+            return old.second.num_new == 0 && taken_ - old.second.logged >= kPeriod;
+        });
     if (found == kinds_.end() && kinds_.size() >= kMaxKinds) {
         ++num_of_other_kinds_;
         return;
@@ -113,6 +117,7 @@ void DdsLog::count(const std::string& kind, const std::string& line) {
 std::vector<std::string> DdsLog::take(Clock::time_point now) {
     std::vector<std::string> lines;
     const std::lock_guard lock(mutex_);
+    taken_ = now;
     for (auto& [kind, entry] : kinds_) {
         const bool is_first = entry.logged == Clock::time_point{};
         if (entry.num_new == 0 || (!is_first && now - entry.logged < kPeriod)) continue;

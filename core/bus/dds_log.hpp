@@ -40,6 +40,7 @@ private:
     void count(const std::string& kind, const std::string& line);  // `mutex_` is held
     std::mutex mutex_;
     std::map<std::string, Kind> kinds_;
+    Clock::time_point taken_{};           // the last time
     std::size_t num_of_other_kinds_ = 0;  // beyond the limit
     bool is_captured_ = false;
     std::string captured_;

@@ -24,12 +24,6 @@ bool is_guarded(const Participant::Impl& participant) {
            keys::author_of(Topic<Message>::kName) != keys::Author::kWorld;
 }
 
-template <typename Message>
-std::optional<Claim> claim_of_key(const void* wire) {
-    const auto key = key_from_wire<Message>(*static_cast<const WireOf<Message>*>(wire));
-    return key ? std::optional(claim_of(*key)) : std::nullopt;
-}
-
 // Enters what the author's key allows, where a message has room for it.
 template <typename Message>
 void enter_rights(Message& message, const Authors* authors, const dds_sample_info_t& info) {

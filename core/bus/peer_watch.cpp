@@ -343,13 +343,12 @@ void PeerWatch::State::look_for_strangers() {
              Stranger stranger = known == strangers.end() ? Stranger{now} : known->second;
              if (!stranger.is_reported && now - stranger.since >= kProofTimeout) {
                  stranger.is_reported = true;
-                 const std::string host = property(found.qos, "__Hostname");
-                 DdsLog::of_process().add(
-                     "without keys " + host,
-                     fmt::format("refused peer=\"{} pid {}\" reason=\"without keys, or without "
-                                 "those of this world\"",
-                                 host.empty() ? "unknown host" : host,
-                                 property(found.qos, "__Pid")));
+                 const std::string line = fmt::format(
+                     "refused peer=\"{} pid {}\" reason=\"without keys, or without "
+                     "those of this world\"",
+                     property(found.qos, "__Hostname"),
+                     property(found.qos, "__Pid"));
+                 DdsLog::of_process().add(line, line);
              }
              still_there.emplace(guid, stranger);
          });

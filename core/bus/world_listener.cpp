@@ -1,5 +1,7 @@
 #include "core/bus/world_listener.hpp"
 
+#include "core/bus/author_guard.hpp"
+#include "core/bus/bus_options.hpp"
 #include "core/bus/names.hpp"
 #include "core/bus/participant.hpp"
 #include "core/bus/peer_watch.hpp"
@@ -44,8 +46,11 @@ struct WorldListener::Impl {
 
 Expected<void> WorldListener::Impl::open() {
     const dds_entity_t of = participant->participant.get();
-    const QosPointer partition(dds_create_qos());
-    dds_qset_partition1(partition.get(), kAllWorlds);
+    const auto partitions = participant->keys
+                                ? participant->partitions(Topic<Presence>::kName, "", true)
+                                : Expected<std::vector<std::string>>({kAllWorlds});
+    if (!partitions) return tl::unexpected(partitions.error());
+    const QosPointer partition = partition_qos(*partitions);
     auto made_subscriber =
         own(dds_create_subscriber(of, partition.get(), nullptr), "a subscriber to all worlds");
     if (!made_subscriber) return tl::unexpected(made_subscriber.error());
@@ -57,10 +62,18 @@ Expected<void> WorldListener::Impl::open() {
     if (!made_topic) return tl::unexpected(made_topic.error());
     topic = std::move(*made_topic);
     const auto& profile = participant->profiles.find(Topic<Presence>::kProfile)->second;
+    const QosPointer qos = make_reader_qos(profile.reader);
     auto made_reader =
-        own(dds_create_reader(
-                subscriber.get(), topic.get(), make_reader_qos(profile.reader).get(), nullptr),
-            "a reader of Presence in all worlds");
+        participant->keys
+            ? create_guarded_reader(
+                  subscriber.get(),
+                  topic.get(),
+                  qos.get(),
+                  std::make_shared<Authors>(participant->world, Topic<Presence>::kName),
+                  claim_of_key<Presence>,
+                  sizeof(WireOf<Presence>))
+            : own(dds_create_reader(subscriber.get(), topic.get(), qos.get(), nullptr),
+                  "a reader of Presence in all worlds");
     if (!made_reader) return tl::unexpected(made_reader.error());
     reader = std::move(*made_reader);
     return {};
@@ -73,7 +86,9 @@ void WorldListener::Impl::take(const void* sample, const dds_sample_info_t& info
     }
     if (!info.valid_data) return;
     auto presence = from_wire<Presence>(*static_cast<const WireOf<Presence>*>(sample));
-    const std::string world = world_of_writer(reader.get(), info.publication_handle);
+    const std::string world = participant->keys
+                                  ? participant->world
+                                  : world_of_writer(reader.get(), info.publication_handle);
     if (!presence || world.empty()) return;
     if (programs.size() < kMaxPrograms || programs.contains(info.instance_handle))
         programs.insert_or_assign(info.instance_handle, HeardProgram{world, std::move(*presence)});
@@ -81,7 +96,10 @@ void WorldListener::Impl::take(const void* sample, const dds_sample_info_t& info
 
 Expected<WorldListener> WorldListener::create(const BusOptions& options) {
     BusOptions any = options;
-    any.world = "listener";  // a participant needs a valid name; no endpoint of it is created
+    any.world.clear();
+    if (auto entered = enter_keys(any); !entered) return tl::unexpected(entered.error());
+    // a participant needs a valid name; no endpoint of it is created
+    if (!any.keys) any.world = "listener";
     auto participant = Participant::create(any);
     if (!participant) return tl::unexpected(participant.error());
     WorldListener listener;

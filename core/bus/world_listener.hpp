@@ -16,7 +16,8 @@ struct HeardProgram {
 };
 
 /// Hears the programs of all worlds of one DDS domain on one network, without joining any of them.
-/// Not heard: other domains, hosts that the network file does not reach, and programs of a version
+/// With keys it hears those of their world only, and without keys none of worlds with keys. Not
+/// heard: other domains, hosts that the network file does not reach, and programs of a version
 /// whose Presence has another type.
 class WorldListener {
 public:

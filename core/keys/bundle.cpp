@@ -82,6 +82,7 @@ std::string bundle_text(const Bundle& bundle) {
     // PEM and S/MIME texts have no apostrophes
     for (const TextField& field : kTextFields)
         text += fmt::format("\n{} = '''\n{}'''\n", field.key, bundle.*field.text);
+    if (bundle.tunnel) text += tunnel_text(*bundle.tunnel);
     return text;
 }
 
@@ -104,6 +105,16 @@ Expected<Bundle> parse_bundle(const std::string& text, const std::string& name) 
     reader->read("name", bundle.member.name);
     reader->read("rights", rights);
     for (const TextField& field : kTextFields) reader->read(field.key, bundle.*field.text);
+    Expected<void> tunnel_is_fine;
+    if (reader->has("tunnel")) {
+        config::TableReader table = reader->table("tunnel");
+        auto tunnel = read_tunnel(table);
+        if (tunnel) {
+            bundle.tunnel = std::move(*tunnel);
+        } else {
+            tunnel_is_fine = tl::unexpected(tunnel.error());
+        }
+    }
     if (format > kBundleFormat)
         return make_error(
             ErrorKind::kInvalidData,
@@ -117,6 +128,9 @@ Expected<Bundle> parse_bundle(const std::string& text, const std::string& name) 
             value, [](char c) { return c == '\n' || c == '\t' || (c >= ' ' && c <= '~'); });
         if (!is_text) return damaged(fmt::format("has a damaged {}", field.key));
     }
+    if (!tunnel_is_fine) return damaged(tunnel_is_fine.error().message);
+    if (bundle.tunnel && bundle.tunnel->name != bundle.member.name)
+        return damaged("has the tunnel of another member");
     const auto known_kind = find_kind(kind);
     const auto known_rights = rights_of_text(rights);
     if (!known_kind) return damaged("has no kind of member that is known");

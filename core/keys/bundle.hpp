@@ -3,10 +3,12 @@
 #include "core/base/expected.hpp"
 #include "core/base/timestamp.hpp"
 #include "core/keys/member.hpp"
+#include "core/keys/tunnel.hpp"
 #include "core/keys/validity.hpp"
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -20,13 +22,14 @@ inline constexpr std::size_t kMaxBundleBytes = std::size_t{256} << 10U;
 /// `private_key`.
 struct Bundle {
     Member member;
-    std::string identity_ca;     // certificate of the identity authority
-    std::string permissions_ca;  // certificate of the permissions authority
-    std::string certificate;     // of the member
-    std::string private_key;     // unencrypted PKCS#8
-    std::string crl;             // revoked certificates of the identity authority
-    std::string governance;      // signed by the permissions authority
-    std::string permissions;     // signed by the permissions authority
+    std::string identity_ca;         // certificate of the identity authority
+    std::string permissions_ca;      // certificate of the permissions authority
+    std::string certificate;         // of the member
+    std::string private_key;         // unencrypted PKCS#8
+    std::string crl;                 // revoked certificates of the identity authority
+    std::string governance;          // signed by the permissions authority
+    std::string permissions;         // signed by the permissions authority
+    std::optional<Tunnel> tunnel{};  // of a place that reaches the others through WireGuard
 };
 
 /// The text of a bundle's file: TOML with literal strings.

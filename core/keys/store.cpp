@@ -128,7 +128,7 @@ Expected<void> KeyStore::read_files() {
         if (!facts) return in_file(folder_, facts.error());
         end_ = std::min(end_, facts->validity.end);
     }
-    return {};
+    return read_tunnel_file();
 }
 
 Expected<void> KeyStore::check(Timestamp now) const {
@@ -194,6 +194,7 @@ Expected<Bundle> KeyStore::bundle(const std::string& name) const {
     bundle->permissions_ca = permissions_.certificate;
     bundle->governance = governance_;
     bundle->crl = crl_;
+    bundle->tunnel = tunnel_of(tunnel_, name);
     return bundle;
 }
 
@@ -301,6 +302,9 @@ Expected<Entry> KeyStore::revoke(const std::string& name, Reason reason, Timesta
     std::vector<Revocation> revoked = revoked_;
     revoked.push_back({facts->serial, now, reason});
     if (auto written = write_crl(revoked, now); !written) return tl::unexpected(written.error());
+    if (reason != Reason::kReplaced && remove_place(tunnel_, name)) {
+        if (auto written = write_tunnel_file(); !written) return tl::unexpected(written.error());
+    }
     return entry_of(*old, now);
 }
 

@@ -35,6 +35,13 @@ struct Entry {
     std::optional<Revocation> revocation;  // if the state is kRevoked
 };
 
+/// A tunnel with the private keys of all places.
+struct StoredTunnel {
+    std::string hub;            // empty: there is no tunnel
+    std::vector<Place> places;  // first the hub
+    std::vector<std::string> private_keys;
+};
+
 /// The keys of all members of one world and its two authorities: a folder on the owner's computer.
 ///
 ///     store.toml           format and world
@@ -43,6 +50,7 @@ struct Entry {
 ///     governance.smime     signed
 ///     crl.pem              revoked certificates
 ///     members/NAME.bundle  what NAME had when its key was made
+///     tunnel.toml          keys and addresses of all places, if there is a tunnel
 ///
 /// Files have mode 0600 and are replaced atomically. The object holds a lock on the folder: one
 /// writer, or several readers. Errors name the file and the cure: kNotFound and kConfiguration of
@@ -76,7 +84,14 @@ public:
                           int days,
                           Timestamp now);
 
-    /// What a member needs, with the current list of revoked certificates.
+    /// Gives a member a place in the tunnel, with a new key, and makes the tunnel if there is none:
+    /// its hub is the member of kind world, which must exist. `hub` as parse_hub returns it; empty:
+    /// that of the tunnel. A member that has a place keeps it. kConfiguration for no hub, no member
+    /// or no free address.
+    Expected<void> add_place(const std::string& name, const std::string& hub);
+
+    /// What a member needs, with the current list of revoked certificates, and the tunnel if it has
+    /// a place there.
     Expected<Bundle> bundle(const std::string& name) const;
     /// The state of a member whose bundle is from this store.
     Expected<Entry> entry_of(const Bundle& bundle, Timestamp now) const;
@@ -95,6 +110,8 @@ private:
 
     std::filesystem::path file_of(const std::string& name) const;
     Expected<void> read_files();
+    Expected<void> read_tunnel_file();
+    Expected<void> write_tunnel_file() const;
     Expected<Bundle> make_bundle(const Member& member, int days, Timestamp now) const;
     Expected<void> write_crl(const std::vector<Revocation>& revoked, Timestamp now);
 
@@ -106,6 +123,7 @@ private:
     std::string governance_;
     std::string crl_;
     std::vector<Revocation> revoked_;
+    StoredTunnel tunnel_;
     Timestamp end_;
 };
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "core/keys/certificates.hpp"
+#include "core/keys/store.hpp"
 
+#include <optional>
 #include <string>
 
 /// The names of the files in a key store. Private to core/keys.
@@ -11,6 +13,7 @@ inline constexpr int kStoreFormat = 1;
 inline constexpr const char* kStoreFile = "store.toml";
 inline constexpr const char* kGovernanceFile = "governance.smime";
 inline constexpr const char* kCrlFile = "crl.pem";
+inline constexpr const char* kTunnelFile = "tunnel.toml";
 inline constexpr const char* kMembersFolder = "members";
 inline constexpr const char* kBundleEnding = ".bundle";
 
@@ -20,5 +23,10 @@ inline std::string certificate_file(Authority authority) {
 inline std::string key_file(Authority authority) {
     return std::string(authority_text(authority)) + ".key";
 }
+
+/// What the member `name` needs of the tunnel; nullopt if it has no place there.
+std::optional<Tunnel> tunnel_of(const StoredTunnel& tunnel, const std::string& name);
+/// Takes a place out, but not the hub. False if there is none.
+bool remove_place(StoredTunnel& tunnel, const std::string& name);
 
 }  // namespace atrium::keys

@@ -44,7 +44,7 @@ tl::unexpected<Error> unknown_command(const std::string& name, const fs::path& f
 }  // namespace
 
 std::span<const Command> shipped_commands() {
-    static const std::array<Command, 19> commands{
+    static const std::array<Command, 20> commands{
         {{"site", "capture a room and publish the people in it"},
          {"camera", "run the cameras of one host of a room on several hosts"},
          {"world", "run the physics of a world"},
@@ -62,6 +62,7 @@ std::span<const Command> shipped_commands() {
          {"status", "say which programs of a site run, host by host"},
          {"logs", "print the logs of a site, host by host"},
          {"keys", "make and check the keys with which members join a closed world"},
+         {"tunnel", "bring up the way through the internet of an invitation"},
          {"hull", "compute one visual hull from files"},
          {"doctor", "say what is wrong on this host, and the command that mends it"}}};
     return commands;

@@ -18,31 +18,12 @@ using keys::Member;
 using keys::Rights;
 using keys::State;
 
-Expected<KeyStore> open_store(const Options& options, KeyStore::Access access) {
-    const auto folder = find_store(options.keys);
-    if (!folder) return tl::unexpected(folder.error());
-    return KeyStore::open(*folder, access);
-}
-
 tl::unexpected<Error> missing(const std::string& what) {
     return make_error(ErrorKind::kConfiguration, what);
 }
 
-// A command to copy, for the same store.
-std::string command(const Options& options, const std::string& rest) {
-    const std::string folder =
-        options.keys.empty() ? "" : fmt::format(" --keys '{}'", options.keys.string());
-    return "atrium keys " + rest + folder;
-}
-
 std::string export_command(const Options& options, const std::string& name, const char* more = "") {
     return command(options, fmt::format("export {} -o {}.bundle{}", name, name, more));
-}
-
-std::string described(const Entry& entry) {
-    const std::string rights = shown_rights(entry.member);
-    return keys::describe(entry.member) + (rights == "-" ? "" : " with the rights " + rights) +
-           ", valid until " + keys::day_text(entry.validity.end);
 }
 
 Expected<std::optional<Rights>> rights_of(const Options& options) {
@@ -106,6 +87,40 @@ Outcome check_store(const fs::path& folder, const Options& options, Timestamp no
 
 }  // namespace
 
+Expected<KeyStore> open_store(const Options& options, KeyStore::Access access) {
+    const auto folder = find_store(options.keys);
+    if (!folder) return tl::unexpected(folder.error());
+    return KeyStore::open(*folder, access);
+}
+
+std::string command(const Options& options, const std::string& rest) {
+    const std::string folder =
+        options.keys.empty() ? "" : fmt::format(" --keys '{}'", options.keys.string());
+    return "atrium keys " + rest + folder;
+}
+
+std::string described(const Entry& entry) {
+    const std::string rights = shown_rights(entry.member);
+    return keys::describe(entry.member) + (rights == "-" ? "" : " with the rights " + rights) +
+           ", valid until " + keys::day_text(entry.validity.end);
+}
+
+Expected<Member> member_of(const Options& options, const std::string& world) {
+    const auto kind = keys::find_kind(options.kind);
+    if (options.kind.empty()) return missing("KIND is missing: site, viewer, world or monitor");
+    if (!kind)
+        return missing("KIND: " + config::must_be_one_of({"site", "viewer", "world", "monitor"},
+                                                         options.kind));
+    if (options.name.empty() && *kind != Kind::kWorld)
+        return missing(fmt::format("NAME is missing: that of the {}", options.kind));
+    const auto rights = rights_of(options);
+    if (!rights) return tl::unexpected(rights.error());
+    Member member{world, *kind, options.name.empty() ? world : options.name, {}};
+    if (*kind == Kind::kViewer) member.rights = {keys::Right::kGrab, keys::Right::kPush};
+    if (*rights) member.rights = **rights;
+    return member;
+}
+
 Expected<Outcome> init(const Options& options, Timestamp now) {
     if (options.name.empty()) return missing("WORLD is missing: the name of the world");
     if (auto fine = keys::check_key_name(options.name, "the world"); !fine)
@@ -126,25 +141,16 @@ Expected<Outcome> init(const Options& options, Timestamp now) {
 }
 
 Expected<Outcome> add(const Options& options, Timestamp now) {
-    const auto kind = keys::find_kind(options.kind);
-    if (options.kind.empty()) return missing("KIND is missing: site, viewer, world or monitor");
-    if (!kind)
-        return missing("KIND: " + config::must_be_one_of({"site", "viewer", "world", "monitor"},
-                                                         options.kind));
-    if (options.name.empty() && *kind != Kind::kWorld)
-        return missing(fmt::format("NAME is missing: that of the {}", options.kind));
-    const auto rights = rights_of(options);
-    if (!rights) return tl::unexpected(rights.error());
+    // what is wrong with the options, without a store
+    if (const auto fine = member_of(options, "world"); !fine) return tl::unexpected(fine.error());
     auto store = open_store(options, KeyStore::Access::kWrite);
     if (!store) return tl::unexpected(store.error());
-    Member member{store->world(), *kind, options.name, {}};
-    if (member.name.empty()) member.name = store->world();
-    if (*kind == Kind::kViewer) member.rights = {keys::Right::kGrab, keys::Right::kPush};
-    if (*rights) member.rights = **rights;
-    const auto entry = store->add(member, options.days.value_or(keys::kMemberDays), now);
+    const auto member = member_of(options, store->world());
+    if (!member) return tl::unexpected(member.error());
+    const auto entry = store->add(*member, options.days.value_or(keys::kMemberDays), now);
     if (!entry) return tl::unexpected(entry.error());
     return Outcome{fmt::format(
-        "added {}\nnext: {}\n", described(*entry), export_command(options, member.name))};
+        "added {}\nnext: {}\n", described(*entry), export_command(options, member->name))};
 }
 
 Expected<Outcome> list(const Options& options, Timestamp now) {

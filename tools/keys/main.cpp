@@ -24,6 +24,7 @@ constexpr Named kCommands[] = {
     {"revoke", revoke, "declare the key of a member invalid"},
     {"renew", renew, "give a member a new key, and revoke the old one"},
     {"export", export_bundle, "write the bundle that a member needs to join"},
+    {"invite", invite, "write keys and a tunnel through the internet for a member, in one file"},
     {"check", check, "check a bundle, or the whole key store"}};
 
 void add_days(CLI::App& command, Options& options, int days) {
@@ -54,21 +55,29 @@ void declare(CLI::App& command, Options& options, Command which) {
     if (which == check) command.add_option("BUNDLE", options.bundle, "without it: the key store");
     if (which == list) command.add_flag("--json", options.json, "print JSON");
     if (which == list || which == check) return;
-    if (which == add) command.add_option("KIND", options.kind, "site, viewer, world or monitor");
-    command.add_option("NAME",
-                       options.name,
-                       which == add ? "name of the member; that of the world for KIND world"
-                                    : "name of the member");
-    if (which == add || which == renew) {
-        add_rights(command,
-                   options,
-                   which == add ? "grab,push for viewers, none for monitors" : "as before");
+    const bool adds = which == add || which == invite;
+    if (adds) command.add_option("KIND", options.kind, "site, viewer, world or monitor");
+    command.add_option(
+        "NAME",
+        options.name,
+        adds ? "name of the member; that of the world for KIND world" : "name of the member");
+    if (adds || which == renew) {
+        add_rights(
+            command, options, adds ? "grab,push for viewers, none for monitors" : "as before");
         add_days(command, options, keys::kMemberDays);
     }
     if (which == revoke)
         command.add_option("--reason", options.reason, "lost or left (lost); the list keeps it");
-    if (which == export_bundle) {
-        command.add_option("-o,--output", options.output, "the file to write, mode 0600");
+    if (which == invite)
+        command.add_option("--hub",
+                           options.hub,
+                           "HOST or HOST:PORT of the world server's host, as others reach it over "
+                           "the internet (as before; UDP port 51820)");
+    if (which == export_bundle || which == invite) {
+        command.add_option("-o,--output",
+                           options.output,
+                           which == invite ? "the file to write, mode 0600 (NAME.invitation)"
+                                           : "the file to write, mode 0600");
         command.add_flag("--replace", options.replace, "overwrite the file");
     }
 }
@@ -86,7 +95,8 @@ int run(int argc, char** argv) {
         "  atrium keys add site alice\n"
         "  atrium keys add viewer bob --rights grab,push,edit\n"
         "  atrium keys export alice -o alice.bundle\n"
-        "  atrium keys revoke bob\n\n"
+        "  atrium keys revoke bob\n"
+        "  atrium keys invite viewer carol --hub studio.example.org\n\n"
         "Exit codes: 0 done; 1 keys are damaged, expired or revoked; 2 wrong command line; 3 a "
         "file is missing, or another program holds the key store");
     Options options;
@@ -106,8 +116,9 @@ int run(int argc, char** argv) {
         std::fputs(outcome->text.c_str(), stdout);
         return outcome->exit_code;
     }
-    return app::fail({ErrorKind::kConfiguration,
-                      "a command is missing: init, add, list, revoke, renew, export or check"});
+    return app::fail(
+        {ErrorKind::kConfiguration,
+         "a command is missing: init, add, list, revoke, renew, export, invite or check"});
 }
 
 }  // namespace

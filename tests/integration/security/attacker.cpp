@@ -17,7 +17,7 @@
 /// A program of an attacker in or beside a world with keys: uses Cyclone DDS without Atrium's
 /// checks of keys, names and rights. It writes samples of one topic in a partition of its choice,
 /// thirty a second, reads meshes and states in partitions of its choice, and prints "writes",
-/// "written N" or "refused WHAT", and "heard N" when it ends.
+/// "written N" or "refused WHAT"; when it ends "heard N" and when it last heard something.
 namespace atrium {
 namespace {
 
@@ -195,6 +195,7 @@ int run(const Attack& attack) {
     std::fflush(stdout);
     std::uint64_t num_written = 0;
     std::uint64_t num_heard = 0;
+    Timestamp last_heard;
     while (stop == 0) {
         if (writer && writer->write(num_written, attack.dispose) >= 0) ++num_written;
         if (reader) {
@@ -204,12 +205,14 @@ int run(const Attack& attack) {
                 std::fflush(stdout);
             }
             num_heard += num;
+            if (num > 0) last_heard = Timestamp::now();
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(33));  // the attack's rate
     }
-    std::printf("written %llu\nheard %llu\n",
+    std::printf("written %llu\nheard %llu\nlast_heard_ns %lld\n",
                 static_cast<unsigned long long>(num_written),
-                static_cast<unsigned long long>(num_heard));
+                static_cast<unsigned long long>(num_heard),
+                static_cast<long long>(last_heard.ns));
     std::fflush(stdout);
     std::_Exit(0);  // threads of Cyclone are in the plugin
 }

@@ -2,6 +2,7 @@
 
 #include "core/keys/documents.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -62,6 +63,12 @@ private:
     inline static std::unique_ptr<ClosedWorld> world_;
 };
 
+Timestamp last_heard(const std::string& output) {
+    const std::string word = "last_heard_ns ";
+    const auto at = output.find(word);
+    return {at == std::string::npos ? 0 : std::stoll(output.substr(at + word.size()))};
+}
+
 const std::vector<std::string> kMeshesAsAlice{
     "--topic", "SiteMesh", "--site", "alice", "--partition", "playroom/site/alice"};
 
@@ -73,7 +80,8 @@ std::vector<std::string> and_reads(std::vector<std::string> arguments) {
 TEST_F(ClosedWorldTest, ProgramWithoutKeysIsDeafAndDumb) {
     attack({}, and_reads(kMeshesAsAlice));
     let_pass();
-    EXPECT_TRUE(log_has("without keys")) << world().logs();
+    EXPECT_TRUE(log_has(fmt::format("pid {}\" reason=\"without keys", attacker_->id())))
+        << world().logs();
     end_deaf();
 }
 
@@ -84,8 +92,15 @@ TEST_F(ClosedWorldTest, KeysOfAnotherStoreAreRefused) {
     const auto bundle = keys::bundle_text(value(other.bundle("alice")));
     attack(world().write("foreign.bundle", bundle), and_reads(kMeshesAsAlice));
     let_pass();
-    EXPECT_TRUE(log_has("refused peer=\"site alice of world playroom, by its own words\""))
-        << world().logs();
+    // Chance decides who begins the handshake. If the attacker refuses first, it says nothing.
+    const std::string silent = fmt::format(
+        "pid {}\" reason=\"without keys, or without those of this world\"", attacker_->id());
+    EXPECT_TRUE(world().wait_until([&] {
+        const std::string logs = world().logs();
+        return logs.find("refused peer=\"site alice of world playroom, by its own words\"") !=
+                   std::string::npos ||
+               logs.find(silent) != std::string::npos;
+    })) << world().logs();
     end_deaf();
 }
 
@@ -98,7 +113,7 @@ TEST_F(ClosedWorldTest, RevokedKeyIsRefusedAndARunningProgramIsCutOff) {
     value(world().store().revoke("eve", keys::Reason::kLost, Timestamp::now()));
     // only the world server gets the new list: the site hears of it from there
     world().export_bundle("playroom");
-    const auto begin = std::chrono::steady_clock::now();
+    const Timestamp begin = Timestamp::now();
     ASSERT_TRUE(world().wait_until(
         [&] {
             return world().world_server().output().find("cut_off peer=\"viewer eve\"") !=
@@ -108,9 +123,7 @@ TEST_F(ClosedWorldTest, RevokedKeyIsRefusedAndARunningProgramIsCutOff) {
         },
         10s))
         << world().logs();
-    // the log has it up to a second later than it happens
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 3s);
-    end();
+    EXPECT_LT(last_heard(end()) - begin, 2s);
     attack(bundle, {"--read", "playroom/site/*"});  // again
     let_pass();
     EXPECT_TRUE(log_has("refused peer=\"viewer eve\" reason=\"its key is revoked\""))
@@ -130,7 +143,7 @@ TEST_F(ClosedWorldTest, KeyThatExpiresWhileItsProgramRunsIsCutOff) {
     })) << attacker_->output();
     ASSERT_TRUE(world().wait_until(
         [&] { return Timestamp::now() > end_of_key + std::chrono::seconds(2); }));
-    const std::string before = end();
+    EXPECT_LT(last_heard(end()) - end_of_key, 1s);
     EXPECT_TRUE(log_has("viewer ed")) << world().logs();
     attack(bundle, {"--read", "playroom/site/*"});
     let_pass();

@@ -54,6 +54,16 @@ TEST(DdsLog, KeepsABoundedNumberOfPrintableLines) {
     EXPECT_LT(lines.front().size(), 400u);
 }
 
+TEST(DdsLog, HasRoomAgainForNewKindsWhenOldOnesAreQuiet) {
+    DdsLog log;
+    std::string name;
+    for (int i = 0; i < 100; ++i) log.add("kind " + (name += 'x'));
+    log.take(kStart);
+    log.take(kStart + 61s);
+    log.add("another kind");
+    EXPECT_THAT(log.take(kStart + 62s), ElementsAre(HasSubstr("another kind")));
+}
+
 TEST(DdsLog, HandsOverWhatItCaptures) {
     DdsLog log;
     log.begin_capture();

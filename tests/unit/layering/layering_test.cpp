@@ -176,6 +176,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
       "viewer/receive/person_decoder.hpp",
       "viewer/renderer/person/"}},
     {"tools/keys/", {"core/base/", "core/config/", "core/app/", "core/keys/"}},
+    {"tools/tunnel/", {"core/base/", "core/app/", "core/keys/"}},
     {"tools/monitor/", {"core/base/", "core/bus/", "core/config/", "core/app/", "core/status/"}},
     {"tools/play/",
      {"core/base/", "core/bus/", "core/config/", "core/app/", "core/geometry/", "core/recording/"}},

@@ -194,6 +194,10 @@ bool LiveSystem::let_time_pass() const {
     return true;
 }
 
+std::optional<System::Output> LiveSystem::run(const std::vector<std::string>& command) const {
+    return run_command(command);
+}
+
 std::string LiveSystem::variable(const std::string& name) const {
     const char* value = std::getenv(name.c_str());
     return value == nullptr ? "" : value;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "core/base/run_command.hpp"
 #include "core/base/timestamp.hpp"
 #include "tools/doctor/facts/facts.hpp"
 
@@ -37,10 +38,7 @@ public:
     std::optional<struct stat> status_of(const std::string& file) const;
     std::filesystem::path at(const std::string& file) const;
 
-    struct Output {
-        int exit_code = 0;  // 127: no such program
-        std::string text;   // standard output, then standard error, at most 1 MiB
-    };
+    using Output = CommandOutput;
     /// Runs a program for at most ten seconds. nullopt: not on this system.
     virtual std::optional<Output> run(const std::vector<std::string>& command) const;
 

@@ -1,10 +1,12 @@
+#include "core/base/run_command.hpp"
+
 #include "core/base/descriptor.hpp"
-#include "tools/doctor/facts/system.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,12 +14,11 @@
 #include <cerrno>
 #include <chrono>
 
-namespace atrium::doctor {
+namespace atrium {
 namespace {
 
 constexpr std::chrono::seconds kLimit{10};
 constexpr std::size_t kMaxOutputBytes = 1U << 20U;
-constexpr int kNoSuchProgram = 127;
 
 // Reads until the end, the limit or too many bytes. False: the program still runs.
 bool read_output(int pipe, std::string& text) {
@@ -66,16 +67,32 @@ std::string found_program(const std::string& name) {
     return name;
 }
 
+// A file in memory that is read from its beginning.
+Descriptor file_with(std::string_view text) {
+    Descriptor file(memfd_create("input", MFD_CLOEXEC));
+    if (file.get() < 0) return file;
+    while (!text.empty()) {
+        const ssize_t num_bytes = ::write(file.get(), text.data(), text.size());
+        if (num_bytes <= 0) return Descriptor(-1);
+        text.remove_prefix(static_cast<std::size_t>(num_bytes));
+    }
+    lseek(file.get(), 0, SEEK_SET);
+    return file;
+}
+
 }  // namespace
 
-std::optional<System::Output> LiveSystem::run(const std::vector<std::string>& command) const {
+std::optional<CommandOutput> run_command(const std::vector<std::string>& command,
+                                         std::string_view input) {
     std::array<int, 2> ends{};
-    if (command.empty() || pipe2(ends.data(), O_CLOEXEC) != 0) return std::nullopt;
+    const Descriptor given = file_with(input);
+    if (command.empty() || given.get() < 0 || pipe2(ends.data(), O_CLOEXEC) != 0)
+        return std::nullopt;
     const Descriptor out(ends[0]);
     Descriptor in(ends[1]);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, given.get(), STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions, in.get(), STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, in.get(), STDERR_FILENO);
     std::vector<std::string> words = command;
@@ -90,8 +107,8 @@ std::optional<System::Output> LiveSystem::run(const std::vector<std::string>& co
                                      pointers_to(variables).data());
     posix_spawn_file_actions_destroy(&actions);
     in = Descriptor(-1);
-    if (failure != 0) return Output{kNoSuchProgram, ""};
-    Output output;
+    if (failure != 0) return CommandOutput{kNoSuchProgram, ""};
+    CommandOutput output;
     if (!read_output(out.get(), output.text)) kill(child, SIGKILL);
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
@@ -99,4 +116,4 @@ std::optional<System::Output> LiveSystem::run(const std::vector<std::string>& co
     return output;
 }
 
-}  // namespace atrium::doctor
+}  // namespace atrium

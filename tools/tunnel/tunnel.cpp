@@ -1,0 +1,113 @@
+#include "tools/tunnel/tunnel.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace atrium::tunnel_tool {
+namespace {
+
+std::string subnet_of_tunnel(const keys::Tunnel& tunnel) {
+    const std::string& hub = tunnel.places.front().address;
+    return hub.substr(0, hub.rfind('.')) + ".0/24";
+}
+
+bool has_card(const std::string& card, const Run& run) {
+    const auto shown = run({"ip", "link", "show", "dev", card}, {});
+    return shown && shown->exit_code == 0;
+}
+
+tl::unexpected<Error> no_wireguard(const std::string& why) {
+    return make_error(ErrorKind::kUnavailable,
+                      fmt::format("this host has no WireGuard ({}); run `apt install "
+                                  "wireguard-tools`, and if its kernel has no WireGuard `apt "
+                                  "install wireguard-go`",
+                                  why));
+}
+
+// In the kernel, or else in user space.
+Expected<void> make_card(const std::string& card, const Run& run) {
+    const auto made = run({"ip", "link", "add", "dev", card, "type", "wireguard"}, {});
+    if (made && made->exit_code == 0) return {};
+    if (made && made->text.find("Operation not permitted") != std::string::npos)
+        return make_error(ErrorKind::kUnavailable,
+                          "only root may change the network: put sudo before this command");
+    const auto started = run({"wireguard-go", card}, {});
+    if (!started || started->exit_code == kNoSuchProgram)
+        return no_wireguard("neither in the kernel nor wireguard-go");
+    if (started->exit_code != 0) return no_wireguard(started->text.substr(0, 200));
+    return {};
+}
+
+// What comes out of the tunnel goes back into it, to this host, or nowhere.
+Expected<void> pass_on_between_spokes(const keys::Tunnel& tunnel,
+                                      const std::string& card,
+                                      const Run& run) {
+    const std::string table = std::to_string(kHubTable);
+    const std::vector<std::vector<std::string>> commands{
+        {"sysctl", "-q", "-w", fmt::format("net/ipv4/conf/{}/forwarding=1", card)},
+        {"ip", "route", "replace", subnet_of_tunnel(tunnel), "dev", card, "table", table},
+        {"ip", "route", "replace", "unreachable", "default", "table", table}};
+    for (const auto& command : commands)
+        if (auto done = run_or_fail(run, command); !done) return tl::unexpected(done.error());
+    const std::vector<std::string> rule{"iif", card, "lookup", table};
+    const auto rules = run_or_fail(run, {"ip", "rule", "show", "iif", card});
+    if (!rules) return tl::unexpected(rules.error());
+    if (!rules->empty()) return {};
+    auto added = run_or_fail(run, {"ip", "rule", "add", "iif", card, "lookup", table});
+    return added ? Expected<void>() : tl::unexpected(added.error());
+}
+
+}  // namespace
+
+Expected<std::string> run_or_fail(const Run& run,
+                                  const std::vector<std::string>& command,
+                                  std::string_view input) {
+    const auto output = run(command, input);
+    if (output && output->exit_code == 0) return output->text;
+    if (output && output->exit_code == kNoSuchProgram)
+        return make_error(ErrorKind::kUnavailable,
+                          fmt::format("there is no program {}; run `apt install wireguard-tools "
+                                      "iproute2 procps`",
+                                      command.front()));
+    std::string said = output ? output->text.substr(0, 300) : "no answer";
+    for (char& c : said)
+        if (c < ' ' || c > '~') c = ' ';
+    const bool is_denied = said.find("not permitted") != std::string::npos ||
+                           said.find("ermission denied") != std::string::npos;
+    return make_error(ErrorKind::kUnavailable,
+                      fmt::format("`{}` failed: {}{}",
+                                  fmt::join(command, " "),
+                                  said,
+                                  is_denied ? "; only root may change the network: put sudo before "
+                                              "this command"
+                                            : ""));
+}
+
+Expected<void> bring_up(const keys::Tunnel& tunnel, const std::string& card, const Run& run) {
+    if (!has_card(card, run)) {
+        if (auto made = make_card(card, run); !made) return made;
+    }
+    const auto configured =
+        run_or_fail(run, {"wg", "syncconf", card, "/dev/stdin"}, keys::wireguard_text(tunnel));
+    if (!configured) return tl::unexpected(configured.error());
+    const std::vector<std::vector<std::string>> commands{
+        {"ip", "address", "replace", tunnel.own().address + "/24", "dev", card},
+        {"ip", "link", "set", "dev", card, "mtu", std::to_string(kTunnelMtu), "up"}};
+    for (const auto& command : commands)
+        if (auto done = run_or_fail(run, command); !done) return tl::unexpected(done.error());
+    return tunnel.is_hub() ? pass_on_between_spokes(tunnel, card, run) : Expected<void>();
+}
+
+Expected<void> take_down(const keys::Tunnel& tunnel, const std::string& card, const Run& run) {
+    if (tunnel.is_hub()) {
+        // gone with the card, or never there
+        const std::string table = std::to_string(kHubTable);
+        run({"ip", "rule", "del", "iif", card, "lookup", table}, {});
+        run({"ip", "route", "flush", "table", table}, {});
+    }
+    if (!has_card(card, run)) return {};
+    auto removed = run_or_fail(run, {"ip", "link", "delete", "dev", card});
+    return removed ? Expected<void>() : tl::unexpected(removed.error());
+}
+
+}  // namespace atrium::tunnel_tool
