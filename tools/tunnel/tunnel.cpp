@@ -16,6 +16,13 @@ bool has_card(const std::string& card, const Run& run) {
     return shown && shown->exit_code == 0;
 }
 
+// A banner comes first.
+std::string last_line(std::string text) {
+    text.resize(text.find_last_not_of('\n') + 1);
+    text.erase(0, text.rfind('\n') + 1);
+    return text.substr(0, 200);
+}
+
 tl::unexpected<Error> no_wireguard(const std::string& why) {
     return make_error(ErrorKind::kUnavailable,
                       fmt::format("this host has no WireGuard ({}); run `apt install "
@@ -34,7 +41,7 @@ Expected<void> make_card(const std::string& card, const Run& run) {
     const auto started = run({"wireguard-go", card}, {});
     if (!started || started->exit_code == kNoSuchProgram)
         return no_wireguard("neither in the kernel nor wireguard-go");
-    if (started->exit_code != 0) return no_wireguard(started->text.substr(0, 200));
+    if (started->exit_code != 0) return no_wireguard("wireguard-go: " + last_line(started->text));
     return {};
 }
 
