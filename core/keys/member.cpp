@@ -109,6 +109,7 @@ std::string subject_of(const Member& member) {
 }
 
 std::optional<Member> member_of_subject(std::string_view subject) {
+    const std::string_view given = subject;
     const auto next = [&subject](std::string_view key) -> std::string_view {
         if (!subject.starts_with(key)) return {};
         subject.remove_prefix(key.size());
@@ -123,7 +124,7 @@ std::optional<Member> member_of_subject(std::string_view subject) {
     if (!kind) return std::nullopt;
     member.kind = *kind;
     // other texts may lead to the same member
-    if (!check(member) || !subject.empty()) return std::nullopt;
+    if (!check(member) || subject_of(member) != given) return std::nullopt;
     return member;
 }
 
