@@ -28,12 +28,12 @@ bool is_address(std::string_view text) {
     constexpr std::string_view kBegin = "10.";
     if (!text.starts_with(kBegin)) return false;
     text.remove_prefix(kBegin.size());
-    for (const int min : {0, 0, 1}) {
-        const std::string_view part = text.substr(0, text.find('.'));
-        if (!number_in(part, min, min == 1 ? 254 : 255)) return false;
-        text.remove_prefix(std::min(text.size(), part.size() + 1));
+    for (int i = 0; i < 2; ++i) {
+        const std::size_t dot = text.find('.');
+        if (dot == std::string_view::npos || !number_in(text.substr(0, dot), 0, 255)) return false;
+        text.remove_prefix(dot + 1);
     }
-    return text.empty();
+    return number_in(text, 1, 254).has_value();
 }
 
 std::string subnet_of(const std::string& address) {
