@@ -34,6 +34,8 @@ template <typename Message>
 Claim claim_of(const Message& message) {
     if constexpr (std::is_same_v<Message, Presence>) {
         return {message.name, key_kind(message.kind)};
+    } else if constexpr (std::is_same_v<Message, RoomRecording>) {
+        return {message.site, {}};  // its sender is no key: that of the order it answers
     } else if constexpr (requires { message.viewer; }) {
         return {message.viewer, {}};
     } else if constexpr (requires { message.sender; }) {
