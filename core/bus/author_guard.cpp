@@ -171,7 +171,8 @@ constexpr dds_rhc_ops kGuardedOps{
 bool may_write(const keys::PartitionAuthor& author, const Claim& claim) {
     if (claim.kind && author.kind != claim.kind) return false;
     if (claim.name == author.name) return true;
-    // programs on the hosts of a site, and several of one monitor
+    // The programs on the hosts of a site. Of other kinds NAME.SUFFIX can be another member.
+    if (author.kind != keys::Kind::kSite) return false;
     return claim.name.size() > author.name.size() && claim.name.starts_with(author.name) &&
            claim.name[author.name.size()] == '.';
 }

@@ -20,7 +20,7 @@ namespace atrium::bus {
 
 /// Whose an instance is, as its key says.
 struct Claim {
-    std::string name;                // of a member, or NAME.SUFFIX
+    std::string name;                // of a member, or SITE.HOST
     std::optional<keys::Kind> kind;  // nullopt: the key does not say
 };
 
