@@ -89,13 +89,16 @@ Expected<Outcome> invite(const Options& options, Timestamp now) {
                                       file.string()));
     const auto said = add_missing(*store, *member, options, now);
     if (!said) return tl::unexpected(said.error());
-    if (auto placed = store->add_place(member->name, hub); !placed)
-        return tl::unexpected(placed.error());
-    const auto bundle = store->bundle(member->name);
+    // before it has a place: the hub would let a revoked member in
+    auto bundle = store->bundle(member->name);
     if (!bundle) return tl::unexpected(bundle.error());
     if (const auto usable = keys::check(*bundle, now); !usable)
         return make_error(usable.error().kind,
                           keys::describe(bundle->member) + ": " + usable.error().message);
+    if (auto placed = store->add_place(member->name, hub); !placed)
+        return tl::unexpected(placed.error());
+    bundle = store->bundle(member->name);
+    if (!bundle) return tl::unexpected(bundle.error());
     if (auto written =
             keys::write_private_file(file, keys::bundle_text(*bundle), keys::Existing::kReplace);
         !written)
