@@ -31,6 +31,19 @@ tl::unexpected<Error> no_wireguard(const std::string& why) {
                                   why));
 }
 
+// wg quotes lines that it cannot read.
+std::string without_keys_of(std::string_view input, std::string text) {
+    constexpr std::string_view kLabel = "PrivateKey = ";
+    const std::size_t label = input.find(kLabel);
+    if (label == std::string_view::npos) return text;
+    const std::size_t begin = label + kLabel.size();
+    const std::string_view key = input.substr(begin, input.find('\n', begin) - begin);
+    if (key.empty()) return text;
+    for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at))
+        text.replace(at, key.size(), "...");
+    return text;
+}
+
 // In the kernel, or else in user space.
 Expected<void> make_card(const std::string& card, const Run& run) {
     const auto made = run({"ip", "link", "add", "dev", card, "type", "wireguard"}, {});
@@ -56,7 +69,6 @@ Expected<void> pass_on_between_spokes(const keys::Tunnel& tunnel,
         {"ip", "route", "replace", "unreachable", "default", "table", table}};
     for (const auto& command : commands)
         if (auto done = run_or_fail(run, command); !done) return tl::unexpected(done.error());
-    const std::vector<std::string> rule{"iif", card, "lookup", table};
     const auto rules = run_or_fail(run, {"ip", "rule", "show", "iif", card});
     if (!rules) return tl::unexpected(rules.error());
     if (!rules->empty()) return {};
@@ -76,7 +88,8 @@ Expected<std::string> run_or_fail(const Run& run,
                           fmt::format("there is no program {}; run `apt install wireguard-tools "
                                       "iproute2 procps`",
                                       command.front()));
-    std::string said = output ? output->text.substr(0, 300) : "no answer";
+    std::string said =
+        output ? without_keys_of(input, output->text).substr(0, 300) : std::string("no answer");
     for (char& c : said)
         if (c < ' ' || c > '~') c = ' ';
     const bool is_denied = said.find("not permitted") != std::string::npos ||
