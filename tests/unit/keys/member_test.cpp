@@ -94,5 +94,71 @@ TEST(Member, HasRightsOnlyIfItIsAViewerOrAMonitor) {
     EXPECT_EQ(find_kind("king"), std::nullopt);
 }
 
+std::string random_member_name(test::Random& random) {
+    static constexpr std::string_view kCharacters = "abzABZ059_-.";
+    std::string name;
+    const int length = test::between(random, 1, 63);
+    for (int i = 0; i < length; ++i)
+        name += kCharacters[static_cast<std::size_t>(test::between(random, 0, i == 0 ? 10 : 11))];
+    return name;
+}
+
+TEST(Subject, LeadsBackToItsMember) {
+    test::Random random(5);
+    for (int round = 0; round < 200; ++round) {
+        for (const Kind kind : kKinds) {
+            const Member member{random_member_name(random), kind, random_member_name(random), {}};
+            ASSERT_TRUE(check(member)) << describe(member);
+            const auto back = member_of_subject(subject_of(member));
+            ASSERT_TRUE(back) << subject_of(member);
+            EXPECT_EQ(*back, member);
+        }
+    }
+}
+
+TEST(Subject, HasNoRights) {
+    const Member bob{"playroom", Kind::kViewer, "bob", {Right::kPush}};
+    EXPECT_EQ(member_of_subject(subject_of(bob))->rights, Rights());
+}
+
+TEST(Subject, OfAnyOtherTextIsOfNobody) {
+    ASSERT_TRUE(member_of_subject("CN=alice,OU=site,O=playroom"));
+    for (const char* text : {"",
+                             ",",
+                             "CN=alice",
+                             "CN=alice,OU=site",
+                             "CN=alice,OU=site,O=",
+                             "CN=alice,OU=,O=playroom",
+                             "CN=,OU=site,O=playroom",
+                             "OU=site,O=playroom",
+                             "CN=alice,O=playroom",
+                             "O=playroom,OU=site,CN=alice",
+                             "OU=site,CN=alice,O=playroom",
+                             "CN=alice,OU=authority,O=playroom",
+                             "CN=alice,OU=identity authority,O=playroom",
+                             "CN=alice,OU=Site,O=playroom",
+                             "CN=alice,OU=site,O=playroom,",
+                             "CN=alice,OU=site,O=playroom,,",
+                             ",CN=alice,OU=site,O=playroom",
+                             "CN=alice,,OU=site,O=playroom",
+                             "CN=alice,OU=site,O=playroom,C=DE",
+                             "CN=alice,OU=site,O=playroom,O=playroom",
+                             "CN=alice,CN=bob,OU=site,O=playroom",
+                             "CN=alice, OU=site, O=playroom",
+                             "CN=alice+OU=site,O=playroom",
+                             "cn=alice,OU=site,O=playroom",
+                             "CN=alice ,OU=site,O=playroom",
+                             "CN=al\\,ice,OU=site,O=playroom",
+                             "CN=.alice,OU=site,O=playroom",
+                             "CN=alice,OU=site,O=..",
+                             "CN=a/b,OU=site,O=playroom",
+                             "CN=*,OU=site,O=playroom",
+                             "CN=alice,OU=site,O=play room",
+                             "CN=\xC3\xA4,OU=site,O=playroom"})
+        EXPECT_FALSE(member_of_subject(text)) << text;
+    EXPECT_FALSE(member_of_subject("CN=" + std::string(64, 'a') + ",OU=site,O=playroom"));
+    EXPECT_FALSE(member_of_subject(std::string("CN=alice,OU=site,O=playroom\0", 28)));
+}
+
 }  // namespace
 }  // namespace atrium::keys

@@ -81,7 +81,8 @@ TEST_F(WrittenAndRead, GiveTheWorldToItsServer) {
                               "ObjectProxy",
                               "EditResult",
                               "SavedWorlds",
-                              "WorldStatus"}) {
+                              "WorldStatus",
+                              "RevokedKeys"}) {
         EXPECT_THAT(written(world_, topic), ElementsAre("w/world")) << topic;
         for (const Member& other : {site_, viewer_, monitor_})
             EXPECT_THAT(written(other, topic), IsEmpty()) << topic;
