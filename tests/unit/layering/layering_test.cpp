@@ -345,6 +345,7 @@ TEST_F(Layering, MiddlewareStaysInItsAdapters) {
           "tools/keys/",
           "tools/plan/",
           "tools/site_control/",
+          "tools/tunnel/",
           "tools/visual_hull/"}},
         {{"openssl/"}, {"core/keys/"}},
         {{"spdlog/"}, {"core/app/"}},
