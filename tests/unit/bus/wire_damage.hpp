@@ -172,6 +172,8 @@ public:
     void visit(const Member& member, const Wire& wire) {
         Layout inside;
         fields(inside, member, wire);
+        if constexpr (requires { member.proven_rights; })  // the reader enters it
+            inside.members_.push_back(piece("proven_rights", member.proven_rights));
         structs.push_back({piece("", member), std::move(inside.members_)});
         structs.push_back({piece("", wire), std::move(inside.wires_)});
         structs.insert(structs.end(), inside.structs.begin(), inside.structs.end());
