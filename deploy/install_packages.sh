@@ -7,7 +7,7 @@ packages="build-essential cmake ninja-build pkg-config ccache git python3 clang-
 cyclonedds-dev cyclonedds-tools libeigen3-dev libopencv-dev libdraco-dev libturbojpeg0-dev libjpeg62-turbo-dev libavformat-dev libbullet-dev
 libglfw3-dev libegl-dev libosmesa6-dev python3-glad libimgui-dev fonts-dejavu-core libcli11-dev libtoml11-dev libspdlog-dev libassimp-dev
 libceres-dev libfmt-dev nlohmann-json3-dev libzstd-dev liblz4-dev zlib1g-dev libexpected-dev libaravis-dev libpugixml-dev libssl-dev libgtest-dev libgmock-dev libcgal-dev libbenchmark-dev libx11-dev
-xvfb xauth valgrind faketime iproute2 nftables openssl procps"
+wireguard-tools wireguard-go xvfb xauth valgrind faketime iproute2 nftables openssl procps"
 for extra in "$@"; do
     case $extra in
         deb) packages="$packages debhelper dpkg-dev fakeroot lintian" ;;

@@ -1,16 +1,28 @@
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "core/keys/bundle.hpp"
+#include "tools/tunnel/keeper.hpp"
 #include "tools/tunnel/tunnel.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
 
 namespace atrium::tunnel_tool {
 namespace {
+
+// True in the process that goes on, without a terminal.
+bool go_to_background() {
+    if (::fork() != 0) return false;
+    ::setsid();
+    const int nothing = ::open("/dev/null", O_RDWR);
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nothing, stream);
+    return true;
+}
 
 int run(int argc, char** argv) {
     CLI::App cli(
@@ -31,6 +43,8 @@ int run(int argc, char** argv) {
     CLI::App* down = cli.add_subcommand("down", "remove it");
     CLI::App* status = cli.add_subcommand("status", "show its places, and when each was heard");
     CLI::App* show = cli.add_subcommand("show", "print the configuration for wg-quick; secret");
+    bool in_foreground = false;
+    up->add_flag("--foreground", in_foreground, "stay until the tunnel is removed, or Ctrl-C");
     for (CLI::App* command : {up, down, status, show}) {
         command->add_option("FILE", file, "the invitation or bundle");
         command->set_version_flag("--version", "tunnel " + app::version());
@@ -79,7 +93,9 @@ int run(int argc, char** argv) {
     if (!done) return app::fail(done.error());
     if (*down) {
         fmt::print("{} is down\n", card);
-    } else if (tunnel.is_hub()) {
+        return 0;
+    }
+    if (tunnel.is_hub()) {
         fmt::print("{} is up with {}, the hub of {} other places; UDP port {} must be open\n",
                    card,
                    tunnel.own().address,
@@ -88,6 +104,11 @@ int run(int argc, char** argv) {
     } else {
         fmt::print("{} is up with {}, through {}\n", card, tunnel.own().address, tunnel.hub);
     }
+    std::fflush(stdout);
+    if (!in_foreground && !go_to_background()) return 0;
+    if (auto alone = become_the_keeper(card, "/run"); !alone) return app::fail(alone.error());
+    const app::StopOnSignal stop;
+    keep(tunnel, card, run, stop.token());
     return 0;
 }
 
