@@ -18,6 +18,7 @@ namespace atrium::test {
 namespace {
 
 constexpr const char* kWorldName = "playroom";
+constexpr std::size_t kMaxPayloads = 4000;
 
 // A person who sways, as masks of eight cameras.
 void write_recording(const fs::path& folder) {
@@ -87,6 +88,7 @@ mass_kg = 1
     options.security = mona.string();
     monitor_ = value(bus::Participant::create(options));
     meshes_ = value(bus::Reader<bus::SiteMesh>::create(*monitor_));
+    textures_ = value(bus::Reader<bus::CameraTexture>::create(*monitor_));
     states_ = value(bus::Reader<bus::SceneState>::create(*monitor_));
     placements_ = value(bus::Reader<bus::SitePlacement>::create(*monitor_));
     waiter_ = value(bus::Waiter::create(*monitor_));
@@ -125,13 +127,16 @@ std::unique_ptr<HostedProcess> ClosedWorld::start(const std::string& program,
                                                   const std::vector<std::string>& arguments) const {
     std::vector<std::string> command{std::string(ATRIUM_BIN_DIR) + "/" + program};
     command.insert(command.end(), arguments.begin(), arguments.end());
-    const bool is_ours = program != "security_attacker";
+    const bool is_ours = program == "site_node" || program == "world_server";
     command.insert(command.end(), {is_ours ? "--bus.domain" : "--domain", std::to_string(domain_)});
     return value(HostedProcess::start(command));
 }
 
 std::string ClosedWorld::take() {
     std::string wrong;
+    const auto keep = [this](std::vector<std::uint8_t>&& payload) {
+        if (payloads_.size() < kMaxPayloads) payloads_.push_back(std::move(payload));
+    };
     meshes_->take(
         [&](bus::SiteMesh&& mesh) {
             if (mesh.site != "alice") {
@@ -140,10 +145,11 @@ std::string ClosedWorld::take() {
                 wrong = fmt::format("frame {} after {}", mesh.frame_id, last_frame_);
             }
             last_frame_ = mesh.frame_id;
-            last_mesh_ = std::move(mesh.draco);
+            keep(std::move(mesh.draco));
             ++num_meshes_;
         },
         [&](const bus::SiteMesh& gone, bus::Ending) { wrong = "the end of " + gone.site; });
+    textures_->take([&](bus::CameraTexture&& texture) { keep(std::move(texture.colour)); });
     states_->take([&](bus::SceneState&& state) {
         ++num_states_;
         if (state.world != kWorldName) wrong = "a state of " + state.world;

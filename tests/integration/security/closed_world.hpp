@@ -7,9 +7,11 @@
 #include "tests/support/temporary_folder.hpp"
 
 #include <filesystem>
-#include <map>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// A world with keys, of programs as users start them, and programs of attackers.
@@ -55,7 +57,8 @@ public:
     /// server's, an end of alice's stream.
     std::string take();
     std::size_t num_meshes() const { return num_meshes_; }
-    const std::vector<std::uint8_t>& last_mesh() const { return last_mesh_; }
+    /// What alice sent since the last call: coded meshes and pictures.
+    std::vector<std::vector<std::uint8_t>> take_payloads() { return std::exchange(payloads_, {}); }
     /// Text of the logs of both honest programs and of the monitor.
     std::string logs() const;
     bool wait_until(const std::function<bool()>& condition,
@@ -69,6 +72,7 @@ private:
     std::unique_ptr<HostedProcess> alice_;
     std::optional<bus::Participant> monitor_;
     std::optional<bus::Reader<bus::SiteMesh>> meshes_;
+    std::optional<bus::Reader<bus::CameraTexture>> textures_;
     std::optional<bus::Reader<bus::SceneState>> states_;
     std::optional<bus::Reader<bus::SitePlacement>> placements_;
     std::optional<bus::Waiter> waiter_;
@@ -76,7 +80,7 @@ private:
     std::size_t num_meshes_ = 0;
     std::size_t num_states_ = 0;
     std::string own_log_;
-    std::vector<std::uint8_t> last_mesh_;
+    std::vector<std::vector<std::uint8_t>> payloads_;  // the last ones
 };
 
 }  // namespace atrium::test
