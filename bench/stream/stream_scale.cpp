@@ -19,9 +19,10 @@
 // Sites and subscribers on one host, each in its own process; one row of CSV. stream_scale.sh makes
 // the table and the picture of docs/measurements/streams.md, "Scale", from it:
 //
-//   stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS
+//   stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS [KEYS]
 //
-// NETWORK: as for --network. STREAM: made by replayed_site --code. DECODE: true or false.
+// NETWORK: as for --network. STREAM: made by replayed_site --code. DECODE: true or false. KEYS: folder
+// with site-0.bundle, viewer-0.bundle and so on, of a closed world.
 // `stream_scale head` prints the column names.
 namespace {
 
@@ -30,10 +31,11 @@ using namespace std::chrono_literals;
 using test::HostedProcess;
 
 constexpr const char* kUsage =
-    "usage: stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS\n"
+    "usage: stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS [KEYS]\n"
     "       stream_scale head\n"
     "One row of docs/measurements/streams.md, Scale. NETWORK: as for --network; STREAM: made by\n"
-    "replayed_site --code; DECODE: true or false; head: the column names.\n";
+    "replayed_site --code; DECODE: true or false; KEYS: folder with site-0.bundle, viewer-0.bundle\n"
+    "...; head: the column names.\n";
 constexpr auto kPatience = 60s;  // many programs on few cores
 constexpr auto kSettle = 3s;
 constexpr auto kLast = 1s;  // for frames on their way
@@ -58,16 +60,22 @@ public:
           stream_(words[2]),
           num_sites_(std::stoul(words[3])),
           num_subscribers_(std::stoul(words[4])),
-          decode_(words[5]) {
+          decode_(words[5]),
+          keys_(words.size() > 7 ? words[7] : "") {
         for (std::size_t i = 0; i < num_sites_; ++i)
             start("replayed_site", fmt::format("site-{}", i), {"--stream", stream_});
         await("ready", 0, num_sites_);
         const std::vector<std::string> options{
             "--sites", std::to_string(num_sites_), "--decode", decode_};
+        const auto begin = std::chrono::steady_clock::now();
         for (std::size_t i = 0; i < num_subscribers_; ++i)
             start("subscriber", fmt::format("viewer-{}", i), options);
         await(fmt::format("sees {}", num_sites_), num_sites_, processes_.size());
+        seen_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }
+
+    /// From the start of the first subscriber until all see all sites.
+    double seen_s() const { return seen_s_; }
 
     std::size_t num_sites() const { return num_sites_; }
     std::size_t num_subscribers() const { return num_subscribers_; }
@@ -97,6 +105,9 @@ private:
         std::vector<std::string> command{
             ATRIUM_BIN_DIR "/" + program, "--network", network_, "--name", name};
         command.insert(command.end(), options.begin(), options.end());
+        command.insert(command.end(),
+                       {"--security",
+                        keys_.empty() ? "none" : fmt::format("{}/{}.bundle", keys_, name)});
         auto process = HostedProcess::start(command);
         if (!process) fail(1, process.error().message);
         processes_.push_back(std::move(*process));
@@ -114,6 +125,8 @@ private:
     std::size_t num_sites_;
     std::size_t num_subscribers_;
     std::string decode_;
+    std::string keys_;  // empty: an open world
+    double seen_s_ = 0.0;
     std::vector<std::unique_ptr<HostedProcess>> processes_;
 };
 
@@ -204,12 +217,12 @@ double mean_memory_mb(const Run& run, std::size_t first, std::size_t last) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    const std::vector<std::string> words = bench::words_or_usage(argc, argv, {1, 7}, kUsage);
+    const std::vector<std::string> words = bench::words_or_usage(argc, argv, {1, 7, 8}, kUsage);
     if (words.size() == 1 && words[0] == "head") {
         fmt::print(
             "case,sites,subscribers,decode,seconds,cores,site_percent,subscriber_percent,"
             "host_percent,published_per_s,share,worst_share,decoded_share,p50_ms,p99_ms,max_ms,"
-            "datagrams_per_frame,kb_per_frame,site_mb,subscriber_mb,failed\n");
+            "datagrams_per_frame,kb_per_frame,site_mb,subscriber_mb,failed,seen_s\n");
         return 0;
     }
     if (words.size() == 1) {
@@ -233,7 +246,7 @@ int main(int argc, char** argv) {
     const auto published = static_cast<double>(outcome.num_published);
     fmt::print(
         "\"{}\",{},{},{},{:.1f},{},{:.2f},{:.2f},{:.1f},{:.2f},{:.5f},{:.5f},{:.5f},{:.2f},{:.2f},"
-        "{:.1f},{:.2f},{:.2f},{:.1f},{:.1f},{}\n",
+        "{:.1f},{:.2f},{:.2f},{:.1f},{:.1f},{},{:.2f}\n",
         words[0],
         sites,
         run.num_subscribers(),
@@ -254,6 +267,7 @@ int main(int argc, char** argv) {
         1e-3 * static_cast<double>(to.loopback.bytes - from.loopback.bytes) / published,
         site_mb,
         subscriber_mb,
-        outcome.num_failed);
+        outcome.num_failed,
+        run.seen_s());
     return 0;
 }
