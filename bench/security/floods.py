@@ -23,7 +23,8 @@ import tables
 
 DOMAIN = 77
 GARBAGE_PER_S = 100000
-HANDSHAKES_PER_S = 1000
+HANDSHAKES_PER_S = 1000  # at each port
+NUM_PORTS = 3  # of the site, the world server and the listener
 REPLAYED_PER_S = 5000
 
 
@@ -115,7 +116,7 @@ def measure(world, honest, name, seconds, flood):
     listener = world.start(name, "stream_watch", "--security", world.path("mona.bundle"), "--bus.domain", str(DOMAIN), "--ignore", "2")
     world.wait_for(name, "first alice")
     time.sleep(2)
-    flooder = world.start(name + "-flood", "security_flood", "--domain", str(DOMAIN), "--programs", "4", *flood) if flood else None
+    flooder = world.start(name + "-flood", "security_flood", "--domain", str(DOMAIN), "--programs", str(NUM_PORTS), *flood) if flood else None
     before = [usage(process) for process in honest]
     most_mb = 0.0
     end = time.monotonic() + seconds
@@ -162,7 +163,7 @@ def run(build, seconds):
             world.end(stranger)
             write_datagrams(world.path("announcements"), announcements)
             rows.append(measure(world, honest, "handshakes", seconds,
-                                ("--datagrams", world.path("announcements"), "--new-prefix", "--rate", str(HANDSHAKES_PER_S))))
+                                ("--datagrams", world.path("announcements"), "--new-prefix", "--rate", str(NUM_PORTS * HANDSHAKES_PER_S))))
             write_datagrams(world.path("replayed"), sniff(2, lambda data: True, 20000))
             rows.append(measure(world, honest, "replay", seconds, ("--datagrams", world.path("replayed"), "--rate", str(REPLAYED_PER_S))))
             rows.append(measure(world, honest, "after", min(seconds, 20), None))

@@ -33,23 +33,21 @@ Expected<std::optional<Rights>> rights_of(const Options& options) {
     });
 }
 
-// Bundles carry the list of revoked certificates: what to do with those of all others.
-std::string spread_list(const Options& options,
-                        const KeyStore& store,
-                        const std::string& except,
-                        Timestamp now) {
+// Bundles carry the list of revoked certificates: the world server tells it to all others.
+std::string spread_list(const Options& options, const KeyStore& store, Timestamp now) {
     const auto entries = store.entries(now);
     if (!entries) return {};
     std::string commands;
     for (const Entry& entry : *entries) {
         const bool is_used = entry.state == State::kValid || entry.state == State::kExpiresSoon;
-        if (is_used && entry.member.name != except)
+        if (is_used && entry.member.kind == Kind::kWorld)
             commands += "  " + export_command(options, entry.member.name, " --replace") + "\n";
     }
-    if (commands.empty()) return {};
-    return "The others refuse the old key when they have the new list of revoked keys. Export "
-           "their "
-           "bundles again, copy them to their hosts and start the programs there again:\n" +
+    if (commands.empty())
+        return "Others refuse the old key when their bundles have the new list of revoked keys: "
+               "export them again, over the files that their programs were started with.\n";
+    return "Bring the new list of revoked keys to the world server, over the file that it was "
+           "started with. It refuses the old key within a second, and tells all others:\n" +
            commands;
 }
 
@@ -174,7 +172,7 @@ Expected<Outcome> revoke(const Options& options, Timestamp now) {
     return Outcome{fmt::format("revoked {} ({})\n{}A new key for it: {}\n",
                                keys::describe(entry->member),
                                keys::reason_text(*reason),
-                               spread_list(options, *store, options.name, now),
+                               spread_list(options, *store, now),
                                command(options, "renew " + options.name))};
 }
 
@@ -190,7 +188,7 @@ Expected<Outcome> renew(const Options& options, Timestamp now) {
     return Outcome{fmt::format("renewed {}\nnext: {}\n{}",
                                described(*entry),
                                export_command(options, options.name, " --replace"),
-                               spread_list(options, *store, options.name, now))};
+                               spread_list(options, *store, now))};
 }
 
 Expected<Outcome> export_bundle(const Options& options, Timestamp now) {

@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
     CLI::App cli;
     cli.add_option("--domain", domain);
     cli.add_option("--programs", num_programs, "number of discovery ports");
-    cli.add_option("--rate", rate, "datagrams a second");
+    cli.add_option("--rate", rate, "datagrams a second, to each port in turn");
     cli.add_option("--datagrams", file, "recorded ones; without: garbage");
     cli.add_flag("--new-prefix", new_prefix);
     CLI11_PARSE(cli, argc, argv);
