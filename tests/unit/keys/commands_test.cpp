@@ -150,15 +150,18 @@ TEST_F(Commands, ExportNoBundleThatIsNotUsable) {
 TEST_F(Commands, TellHowOthersLearnOfARevocation) {
     EXPECT_THAT(value(revoke(named("bob"), kNow)).text,
                 AllOf(HasSubstr("revoked viewer bob of world playroom (lost)"),
-                      HasSubstr("export alice -o alice.bundle --replace"),
+                      HasSubstr("when their bundles have the new list"),
                       Not(HasSubstr("export bob")),
                       HasSubstr("renew bob")));
+    Options world = options_;
+    world.kind = "world";
+    value(add(world, kNow));
     Options options = named("bob");
     options.rights = "all";
     EXPECT_THAT(value(renew(options, kNow)).text,
                 AllOf(HasSubstr("with the rights add+remove+reset+push+grab+edit+save+record"),
                       HasSubstr("export bob -o bob.bundle --replace"),
-                      HasSubstr("export alice")));
+                      HasSubstr("export playroom -o playroom.bundle --replace")));
     options.reason = "replaced";
     EXPECT_THAT(revoke(options, kNow).error().message, HasSubstr("must be one of lost, left"));
 }
