@@ -101,16 +101,18 @@ Expected<void> enter_keys(BusOptions& options) {
     if (options.keys) return {};
     const std::string file = file_of_bundle(options);
     if (file.empty()) return {};
+    const char* const key = options.join.empty() ? "bus.security" : "bus.join";
+    if (!options.join.empty() && !options.security.empty() && options.security != options.join)
+        return make_error(ErrorKind::kConfiguration,
+                          "bus.join: --security is given as well; an invitation has the keys, so "
+                          "leave --security out");
     const auto bundle = keys::read_bundle(file);
-    if (!bundle) {
-        Error error = bundle.error();
-        error.message = "bus.security: " + error.message;
-        return tl::unexpected(std::move(error));
-    }
+    if (!bundle)
+        return make_error(bundle.error().kind, fmt::format("{}: {}", key, bundle.error().message));
     const keys::Member& member = bundle->member;
     if (const auto fine = keys::check(*bundle, Timestamp::now()); !fine)
         return make_error(fine.error().kind,
-                          fmt::format("bus.security: {}: {}", file, fine.error().message));
+                          fmt::format("{}: {}: {}", key, file, fine.error().message));
     const std::string& world = options.world;
     if (!world.empty() && world != BusOptions().world && world != member.world)
         return wrong_keys(

@@ -329,6 +329,11 @@ Expected<Entry> KeyStore::renew(const std::string& name,
     if (auto written = write_private_file(file_of(name), bundle_text(*made), Existing::kReplace);
         !written)
         return tl::unexpected(written.error());
+    const auto changed = renew_place(tunnel_, name);
+    if (!changed) return tl::unexpected(changed.error());
+    if (*changed) {
+        if (auto written = write_tunnel_file(); !written) return tl::unexpected(written.error());
+    }
     return entry_of(*made, now);
 }
 

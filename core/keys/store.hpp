@@ -78,7 +78,8 @@ public:
     /// Puts the member's certificate on the list of revoked ones. Others refuse the member when
     /// they have the new list.
     Expected<Entry> revoke(const std::string& name, Reason reason, Timestamp now);
-    /// Gives the member a new key, and revokes the old one. Rights stay without `rights`.
+    /// Gives the member a new key, also of the tunnel if it has a place there and is not the hub,
+    /// and revokes the old one. Rights stay without `rights`.
     Expected<Entry> renew(const std::string& name,
                           std::optional<Rights> rights,
                           int days,
@@ -89,6 +90,9 @@ public:
     /// that of the tunnel. A member that has a place keeps it. kConfiguration for no hub, no member
     /// or no free address.
     Expected<void> add_place(const std::string& name, const std::string& hub);
+
+    /// The hub of the tunnel as parse_hub returns it; empty: there is no tunnel.
+    const std::string& hub() const { return tunnel_.hub; }
 
     /// What a member needs, with the current list of revoked certificates, and the tunnel if it has
     /// a place there.

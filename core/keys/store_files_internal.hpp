@@ -26,6 +26,8 @@ inline std::string key_file(Authority authority) {
 
 /// What the member `name` needs of the tunnel; nullopt if it has no place there.
 std::optional<Tunnel> tunnel_of(const StoredTunnel& tunnel, const std::string& name);
+/// Gives a place new keys, but not the hub, whose key all others have. False if there is none.
+Expected<bool> renew_place(StoredTunnel& tunnel, const std::string& name);
 /// Takes a place out, but not the hub. False if there is none.
 bool remove_place(StoredTunnel& tunnel, const std::string& name);
 

@@ -45,6 +45,16 @@ std::optional<Tunnel> tunnel_of(const StoredTunnel& tunnel, const std::string& n
     return Tunnel{tunnel.hub, name, tunnel.private_keys[at], tunnel.places};
 }
 
+Expected<bool> renew_place(StoredTunnel& tunnel, const std::string& name) {
+    const auto at = index_of(tunnel, name);
+    if (at == 0 || at >= std::ssize(tunnel.places)) return false;
+    const auto keys = make_tunnel_keys();
+    if (!keys) return tl::unexpected(keys.error());
+    tunnel.places[static_cast<std::size_t>(at)].public_key = keys->public_key;
+    tunnel.private_keys[static_cast<std::size_t>(at)] = keys->private_key;
+    return true;
+}
+
 bool remove_place(StoredTunnel& tunnel, const std::string& name) {
     const auto at = index_of(tunnel, name);
     if (at == 0 || at >= std::ssize(tunnel.places)) return false;

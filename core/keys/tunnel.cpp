@@ -1,5 +1,6 @@
 #include "core/keys/tunnel.hpp"
 
+#include "core/base/fnv1a.hpp"
 #include "core/base/valid_name.hpp"
 #include "core/keys/member.hpp"
 
@@ -70,7 +71,13 @@ std::uint16_t port_of_hub(const std::string& hub) {
     return static_cast<std::uint16_t>(port.value_or(kTunnelPort));
 }
 
-std::string tunnel_card(std::string_view world) { return "wg-" + std::string(world.substr(0, 12)); }
+std::string tunnel_card(std::string_view world) {
+    // 15 characters in all
+    if (world.size() <= 12) return "wg-" + std::string(world);
+    Fnv1a hash;
+    hash.add(world);
+    return fmt::format("wg-{}-{:04x}", world.substr(0, 7), hash.value() & 0xffffU);
+}
 
 std::string tunnel_text(const Tunnel& tunnel) {
     std::string text =

@@ -51,7 +51,7 @@ struct Tunnel {
 Expected<std::string> parse_hub(const std::string& text);
 std::uint16_t port_of_hub(const std::string& hub);
 
-/// The network card of a world's tunnel, at most 15 characters.
+/// The network card of a world's tunnel, at most 15 characters: "wg-WORLD", or a short form of it.
 std::string tunnel_card(std::string_view world);
 
 /// The table [tunnel] of a bundle, and back. `read_tunnel` takes untrusted values: kInvalidData

@@ -79,6 +79,11 @@ Expected<Outcome> invite(const Options& options, Timestamp now) {
     if (!store) return tl::unexpected(store.error());
     const auto member = member_of(options, store->world());
     if (!member) return tl::unexpected(member.error());
+    // before anything is added
+    if (hub.empty() && store->hub().empty())
+        return make_error(ErrorKind::kConfiguration,
+                          "the tunnel has no hub yet: give the address of the world server's host, "
+                          "as others reach it over the internet, with --hub HOST");
     const auto file = options.output.empty() ? std::filesystem::path(member->name + ".invitation")
                                              : options.output;
     std::error_code ignored;

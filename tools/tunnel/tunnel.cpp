@@ -1,5 +1,7 @@
 #include "tools/tunnel/tunnel.hpp"
 
+#include "core/base/fnv1a.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -62,7 +64,7 @@ Expected<void> make_card(const std::string& card, const Run& run) {
 Expected<void> pass_on_between_spokes(const keys::Tunnel& tunnel,
                                       const std::string& card,
                                       const Run& run) {
-    const std::string table = std::to_string(kHubTable);
+    const std::string table = std::to_string(hub_table(card));
     const std::vector<std::vector<std::string>> commands{
         {"sysctl", "-q", "-w", fmt::format("net/ipv4/conf/{}/forwarding=1", card)},
         {"ip", "route", "replace", subnet_of_tunnel(tunnel), "dev", card, "table", table},
@@ -77,6 +79,12 @@ Expected<void> pass_on_between_spokes(const keys::Tunnel& tunnel,
 }
 
 }  // namespace
+
+int hub_table(const std::string& card) {
+    Fnv1a hash;
+    hash.add(card);
+    return 51820 + static_cast<int>(hash.value() % 10000);
+}
 
 Expected<std::string> run_or_fail(const Run& run,
                                   const std::vector<std::string>& command,
@@ -121,7 +129,7 @@ Expected<void> bring_up(const keys::Tunnel& tunnel, const std::string& card, con
 Expected<void> take_down(const keys::Tunnel& tunnel, const std::string& card, const Run& run) {
     if (tunnel.is_hub()) {
         // gone with the card, or never there
-        const std::string table = std::to_string(kHubTable);
+        const std::string table = std::to_string(hub_table(card));
         run({"ip", "rule", "del", "iif", card, "lookup", table}, {});
         run({"ip", "route", "flush", "table", table}, {});
     }

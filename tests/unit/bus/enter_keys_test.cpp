@@ -290,14 +290,17 @@ TEST_F(EnterKeys, NeedsNoTunnelWithoutJoin) {
     EXPECT_EQ(options_.peers, "");
 }
 
-TEST_F(EnterKeys, PrefersAnInvitationToAllOtherKeys) {
+TEST_F(EnterKeys, TakesAnInvitationBeforeTheEnvironmentAndNotBesideABundle) {
     security_.set(bundles().file("mona.bundle"));
     options_.join = (folder_ / "none.invitation").string();
+    Error error = error_of_entering();
+    EXPECT_EQ(error.kind, ErrorKind::kNotFound);
+    EXPECT_THAT(error.message, AllOf(HasSubstr("bus.join: "), HasSubstr("none.invitation")));
     for (const std::string& security : {std::string("none"), bundles().file("alice.bundle")}) {
         options_.security = security;
-        const Error error = error_of_entering();
-        EXPECT_EQ(error.kind, ErrorKind::kNotFound);
-        EXPECT_THAT(error.message, HasSubstr("none.invitation"));
+        error = error_of_entering();
+        EXPECT_EQ(error.kind, ErrorKind::kConfiguration);
+        EXPECT_THAT(error.message, HasSubstr("leave --security out"));
     }
 }
 

@@ -1,3 +1,4 @@
+#include "core/keys/store.hpp"
 #include "tests/unit/doctor/faults.hpp"
 
 #include <sys/stat.h>
@@ -39,56 +40,100 @@ Fault key_fault(const std::string& name,
             cure};
 }
 
+// A bundle that was made some days ago, for a number of days.
+Fault bundle_fault(const std::string& name,
+                   const std::string& id,
+                   int days_ago,
+                   int days,
+                   mode_t mode,
+                   const std::string& text,
+                   const std::string& cure) {
+    return {
+        name,
+        id,
+        [=](FakeHost& host, Options& options) {
+            const Timestamp made = Timestamp::now() + -std::chrono::hours(24 * days_ago);
+            const auto file = host.write_beside("keys/alice.bundle", "");
+            auto store = keys::KeyStore::create(
+                file.parent_path().parent_path() / "playroom.keys", "playroom", 3650, made);
+            const auto added = store->add({"playroom", keys::Kind::kSite, "alice", {}}, days, made);
+            if (!added) throw std::runtime_error(added.error().message);
+            host.write_beside("keys/alice.bundle",
+                              keys::bundle_text(store->bundle("alice").value()));
+            ::chmod(file.c_str(), mode);
+            options.keys = file.parent_path();
+        },
+        text,
+        cure};
+}
+
 std::vector<Fault> key_faults() {
-    return {key_fault("KeyExpired",
-                      "key_expired",
-                      dates(-400, -35),
-                      "expired 36 days ago",
-                      "openssl x509 -x509toreq -in "),
-            key_fault("KeyExpiresSoon",
-                      "key_expires_soon",
-                      dates(-300, 7),
-                      "expires in 6 days",
-                      "openssl x509 -x509toreq -in "),
-            key_fault("KeyNotYetValid",
-                      "key_not_yet_valid",
-                      dates(3, 300),
-                      "is valid only in 3 days",
-                      "sudo timedatectl set-ntp true"),
-            key_fault("NoOpenssl",
-                      "openssl_missing",
-                      {127, ""},
-                      "unknown without openssl",
-                      "sudo apt install openssl"),
-            {"KeysMissing",
-             "keys_missing",
-             [](FakeHost& host, Options& options) { options.keys = host.folder() / "no_keys"; },
-             "is not there",
-             "sudo mkdir -m 700 -p "},
-            {"KeysMissingWithTheGroupOfServices",
-             "keys_missing",
-             [](FakeHost& host, Options& options) {
-                 host.install();
-                 options.keys = host.folder() / "no_keys";
-             },
-             "is not there",
-             "sudo install -d -m 0750 -o root -g atrium "},
-            {"PrivateKeyThatItsGroupMayWrite",
-             "private_key_readable",
-             [](FakeHost& host, Options&) {
-                 host.write("/etc/atrium/keys/site_key.pem", "-----BEGIN PRIVATE KEY-----\n", 0660);
-             },
-             "Other users may read or write the private key",
-             "sudo chmod o-rwx,g-w "},
-            {"OpenPrivateKey",
-             "private_key_readable",
-             [](FakeHost& host, Options&) {
-                 host.write("/etc/atrium/keys/site_key.pem",
-                            "-----BEGIN PRIVATE KEY-----\nx\n-----END PRIVATE KEY-----\n",
-                            0644);
-             },
-             "Other users may read or write the private key",
-             "sudo chmod o-rwx,g-w "}};
+    return {
+        bundle_fault("BundleExpired",
+                     "key_expired",
+                     100,
+                     30,
+                     0600,
+                     "The key of site alice of world playroom in ",
+                     "atrium keys renew alice"),
+        bundle_fault("BundleExpiresSoon",
+                     "key_expires_soon",
+                     100,
+                     110,
+                     0600,
+                     "export it and bring it here",
+                     "atrium keys renew alice"),
+        bundle_fault(
+            "OpenBundle", "bundle_not_usable", 1, 300, 0644, "others can read it", "chmod 600 "),
+        key_fault("KeyExpired",
+                  "key_expired",
+                  dates(-400, -35),
+                  "expired 36 days ago",
+                  "openssl x509 -x509toreq -in "),
+        key_fault("KeyExpiresSoon",
+                  "key_expires_soon",
+                  dates(-300, 7),
+                  "expires in 6 days",
+                  "openssl x509 -x509toreq -in "),
+        key_fault("KeyNotYetValid",
+                  "key_not_yet_valid",
+                  dates(3, 300),
+                  "is valid only in 3 days",
+                  "sudo timedatectl set-ntp true"),
+        key_fault("NoOpenssl",
+                  "openssl_missing",
+                  {127, ""},
+                  "unknown without openssl",
+                  "sudo apt install openssl"),
+        {"KeysMissing",
+         "keys_missing",
+         [](FakeHost& host, Options& options) { options.keys = host.folder() / "no_keys"; },
+         "is not there",
+         "sudo mkdir -m 700 -p "},
+        {"KeysMissingWithTheGroupOfServices",
+         "keys_missing",
+         [](FakeHost& host, Options& options) {
+             host.install();
+             options.keys = host.folder() / "no_keys";
+         },
+         "is not there",
+         "sudo install -d -m 0750 -o root -g atrium "},
+        {"PrivateKeyThatItsGroupMayWrite",
+         "private_key_readable",
+         [](FakeHost& host, Options&) {
+             host.write("/etc/atrium/keys/site_key.pem", "-----BEGIN PRIVATE KEY-----\n", 0660);
+         },
+         "Other users may read or write the private key",
+         "sudo chmod o-rwx,g-w "},
+        {"OpenPrivateKey",
+         "private_key_readable",
+         [](FakeHost& host, Options&) {
+             host.write("/etc/atrium/keys/site_key.pem",
+                        "-----BEGIN PRIVATE KEY-----\nx\n-----END PRIVATE KEY-----\n",
+                        0644);
+         },
+         "Other users may read or write the private key",
+         "sudo chmod o-rwx,g-w "}};
 }
 
 std::vector<Fault> folder_faults() {

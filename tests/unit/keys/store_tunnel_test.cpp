@@ -179,13 +179,16 @@ TEST_F(StoreWithTunnel, TakesThePlaceOfARevokedMember) {
     EXPECT_THAT(places_seen_by("hall"), ElementsAre("hall", "alice", "bob"));
 }
 
-TEST_F(StoreWithTunnel, KeepsThePlaceOfARenewedMember) {
+TEST_F(StoreWithTunnel, KeepsThePlaceOfARenewedMemberAndChangesItsKey) {
     ASSERT_TRUE(store_->add_place("bob", kHub));
     const std::string key = tunnel_of_member("bob").private_key;
     const std::string address = address_of("bob");
     value(store_->renew("bob", std::nullopt, 100, kNow));
-    EXPECT_EQ(tunnel_of_member("bob").private_key, key);
+    EXPECT_NE(tunnel_of_member("bob").private_key, key);
     EXPECT_EQ(address_of("bob"), address);
+    const std::string hub = tunnel_of_member("hall").private_key;
+    value(store_->renew("hall", std::nullopt, 100, kNow));
+    EXPECT_EQ(tunnel_of_member("hall").private_key, hub) << "all others have its public key";
     open_again();
     EXPECT_THAT(places_seen_by("hall"), ElementsAre("hall", "bob"));
 }

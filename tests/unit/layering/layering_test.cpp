@@ -161,7 +161,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
       "tools/calibrate/wand/"}},
     {"tools/calibrate/adjust/", {"core/base/", "core/geometry/", "core/config/"}},
     {"tools/calibrate/judge/", {"core/base/", "core/geometry/"}},
-    {"tools/doctor/", {"core/base/", "core/config/", "core/app/", "core/gl/"}},
+    {"tools/doctor/", {"core/base/", "core/config/", "core/app/", "core/gl/", "core/keys/"}},
     {"tools/demo/",
      {"core/base/", "core/bus/", "core/config/", "core/app/", "core/status/", "core/keys/"}},
     {"tools/export/",

@@ -8,6 +8,8 @@
 namespace atrium::tunnel_tool {
 namespace {
 
+std::string table() { return std::to_string(hub_table("wg-playroom")); }
+
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Each;
@@ -82,10 +84,10 @@ TEST_F(TunnelCommands, LetTheHubPassPacketsOnBetweenSpokesOnly) {
                             "ip address replace 10.200.7.1/24 dev wg-playroom",
                             "ip link set dev wg-playroom mtu 1420 up",
                             "sysctl -q -w net/ipv4/conf/wg-playroom/forwarding=1",
-                            "ip route replace 10.200.7.0/24 dev wg-playroom table 51820",
-                            "ip route replace unreachable default table 51820",
+                            "ip route replace 10.200.7.0/24 dev wg-playroom table " + table(),
+                            "ip route replace unreachable default table " + table(),
                             "ip rule show iif wg-playroom",
-                            "ip rule add iif wg-playroom lookup 51820"));
+                            "ip rule add iif wg-playroom lookup " + table()));
 }
 
 TEST_F(TunnelCommands, AddTheRuleOfTheHubOnce) {
@@ -229,8 +231,8 @@ TEST_F(TunnelCommands, RemoveTheRoutesOfTheHub) {
     host_.answer("ip link show", 0);
     ASSERT_TRUE(take_down(tunnel_of("hall"), kCard, host_.run()));
     EXPECT_THAT(host_.lines,
-                ElementsAre("ip rule del iif wg-playroom lookup 51820",
-                            "ip route flush table 51820",
+                ElementsAre("ip rule del iif wg-playroom lookup " + table(),
+                            "ip route flush table " + table(),
                             "ip link show dev wg-playroom",
                             "ip link delete dev wg-playroom"));
 }

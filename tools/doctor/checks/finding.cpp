@@ -82,6 +82,7 @@ constexpr std::array kKnown{
     KnownFinding{"key_not_yet_valid", Severity::kStops},
     KnownFinding{"key_expires_soon", Severity::kNote},
     KnownFinding{"private_key_readable", Severity::kNote},
+    KnownFinding{"bundle_not_usable", Severity::kStops},
 };
 
 bool is_plain(char c) {

@@ -91,6 +91,66 @@ Findings check_folders(const Facts& facts) {
     return findings;
 }
 
+namespace {
+
+// What names the certificate in a finding, how to get a new one, and the command.
+struct Renewal {
+    std::string what;
+    std::string how;
+    std::string cure;
+};
+
+Renewal renewal_of(const Certificate& certificate) {
+    const std::string file = certificate.file.string();
+    if (certificate.member.empty())
+        return {"certificate " + file,
+                "let its authority sign a new one (replace KEY by its private key)",
+                fmt::format("openssl x509 -x509toreq -in {0} -signkey KEY -out {0}.csr",
+                            shell_word(file))};
+    return {fmt::format("key of {} in {}", certificate.member, file),
+            "on the computer of the world's owner make a new one, export it and bring it here",
+            "atrium keys renew " + certificate.member_name};
+}
+
+void check_certificate(const Certificate& certificate, const Facts& facts, Findings& findings) {
+    const Renewal renewal = renewal_of(certificate);
+    if (certificate.ends && *certificate.ends < facts.now) {
+        findings.push_back(
+            make_finding("key_expired",
+                         fmt::format("The {} expired {:.0f} days ago: {}.",
+                                     renewal.what,
+                                     std::ceil(days_between(*certificate.ends, facts.now)),
+                                     renewal.how),
+                         renewal.cure));
+    } else if (certificate.ends && days_between(facts.now, *certificate.ends) < kSoon_days) {
+        findings.push_back(
+            make_finding("key_expires_soon",
+                         fmt::format("The {} expires in {:.0f} days: {}.",
+                                     renewal.what,
+                                     std::floor(days_between(facts.now, *certificate.ends)),
+                                     renewal.how),
+                         renewal.cure));
+    }
+    if (certificate.begins && facts.now < *certificate.begins) {
+        findings.push_back(make_finding(
+            "key_not_yet_valid",
+            fmt::format("The {} is valid only in {:.0f} days: the clock of this host or of its "
+                        "authority is wrong.",
+                        renewal.what,
+                        std::ceil(days_between(facts.now, *certificate.begins))),
+            "timedatectl && sudo timedatectl set-ntp true"));
+    }
+    if (!certificate.problem.empty()) {
+        findings.push_back(make_finding(
+            "bundle_not_usable",
+            fmt::format("The {} is not usable: {}.", renewal.what, certificate.problem),
+            fmt::format("chmod 600 {0}; atrium keys check {0}",
+                        shell_word(certificate.file.string()))));
+    }
+}
+
+}  // namespace
+
 Findings check_keys(const Facts& facts) {
     Findings findings;
     if (!facts.keys) return findings;
@@ -109,39 +169,8 @@ Findings check_keys(const Facts& facts) {
                                         "The dates of certificates are unknown without openssl.",
                                         "sudo apt install openssl"));
     }
-    for (const Certificate& certificate : keys.certificates) {
-        const std::string file = certificate.file.string();
-        const std::string request = fmt::format(
-            "openssl x509 -x509toreq -in {0} -signkey KEY -out {0}.csr", shell_word(file));
-        if (certificate.ends && *certificate.ends < facts.now) {
-            findings.push_back(make_finding(
-                "key_expired",
-                fmt::format("The certificate {} expired {:.0f} days ago: let its authority sign a "
-                            "new one (replace KEY by its private key).",
-                            file,
-                            std::ceil(days_between(*certificate.ends, facts.now))),
-                request));
-        } else if (certificate.ends && days_between(facts.now, *certificate.ends) < kSoon_days) {
-            findings.push_back(make_finding(
-                "key_expires_soon",
-                fmt::format(
-                    "The certificate {} expires in {:.0f} days: let its authority sign a new "
-                    "one (replace KEY by its private key).",
-                    file,
-                    std::floor(days_between(facts.now, *certificate.ends))),
-                request));
-        }
-        if (certificate.begins && facts.now < *certificate.begins) {
-            findings.push_back(make_finding(
-                "key_not_yet_valid",
-                fmt::format(
-                    "The certificate {} is valid only in {:.0f} days: the clock of this host "
-                    "or of its authority is wrong.",
-                    file,
-                    std::ceil(days_between(facts.now, *certificate.begins))),
-                "timedatectl && sudo timedatectl set-ntp true"));
-        }
-    }
+    for (const Certificate& certificate : keys.certificates)
+        check_certificate(certificate, facts, findings);
     for (const auto& key : keys.open_keys) {
         findings.push_back(make_finding(
             "private_key_readable",

@@ -156,6 +156,11 @@ struct Certificate {
     std::filesystem::path file;
     std::optional<Timestamp> begins;
     std::optional<Timestamp> ends;
+    // of a bundle of `atrium keys`: its member, "site alice of world playroom", its name, and why
+    // it is not usable although its time is right (empty: it is)
+    std::string member{};
+    std::string member_name{};
+    std::string problem{};
 };
 
 struct KeyFacts {

@@ -1,3 +1,5 @@
+#include "core/keys/bundle.hpp"
+#include "core/keys/certificates.hpp"
 #include "tools/doctor/facts/collect.hpp"
 
 #include <fcntl.h>
@@ -5,6 +7,7 @@
 #include <unistd.h>
 
 #include <cstring>
+#include <utility>
 
 namespace atrium::doctor {
 namespace {
@@ -24,7 +27,7 @@ std::optional<Timestamp> date_after(const std::string& output, const std::string
 }
 
 bool has_suffix(const std::string& name) {
-    for (const char* suffix : {".pem", ".crt", ".cer", ".key"}) {
+    for (const char* suffix : {".pem", ".crt", ".cer", ".key", ".bundle", ".invitation"}) {
         if (name.ends_with(suffix)) return true;
     }
     return false;
@@ -41,6 +44,29 @@ Certificate examine_certificate(const System& system,
     if (output->exit_code == kNoSuchProgram) keys.has_openssl = false;
     certificate.begins = date_after(output->text, "notBefore");
     certificate.ends = date_after(output->text, "notAfter");
+    return certificate;
+}
+
+// A bundle, whose first certificate is not that of its member. nullopt: it is none.
+std::optional<Certificate> examine_bundle(const std::filesystem::path& file,
+                                          const std::string& text,
+                                          mode_t mode) {
+    const auto bundle = keys::parse_bundle(text, file.string());
+    if (!bundle) return std::nullopt;
+    Certificate certificate{file, {}, {}};
+    certificate.member = keys::describe(bundle->member);
+    certificate.member_name = bundle->member.name;
+    if ((mode & 077U) != 0) certificate.problem = "others can read it, and programs then refuse it";
+    const auto facts = keys::facts_of_certificate(bundle->certificate);
+    if (!facts) {
+        certificate.problem = facts.error().message;
+        return certificate;
+    }
+    certificate.begins = facts->validity.begin;
+    certificate.ends = facts->validity.end;
+    // what is wrong at any time, not only now
+    const auto usable = keys::check(*bundle, facts->validity.begin);
+    if (!usable && certificate.problem.empty()) certificate.problem = usable.error().message;
     return certificate;
 }
 
@@ -79,6 +105,10 @@ KeyFacts collect_keys(const System& system, const std::filesystem::path& folder)
         const auto status = files.status_of(path);
         if (!status || !S_ISREG(status->st_mode)) continue;
         const std::string text = files.read(path).value_or("");
+        if (auto bundle = examine_bundle(file, text, status->st_mode)) {
+            keys.certificates.push_back(std::move(*bundle));
+            continue;
+        }
         if (text.find("-----BEGIN CERTIFICATE-----") != std::string::npos)
             keys.certificates.push_back(examine_certificate(system, file, keys));
         const bool is_private = text.find("PRIVATE KEY-----") != std::string::npos;
