@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Renews the tables of docs/measurements/security.md from the results of cost.sh and floods.py.
+"""Renews the tables of docs/measurements/security.md from the results of cost.sh, floods.py and nat.sh.
 
-usage: tables.py cost|floods RESULT PAGE
+usage: tables.py cost|floods|nat RESULT PAGE
 """
 
 import os
@@ -50,7 +50,18 @@ def renew_floods(result, page):
     put_table(page, "floods", lines, f"{comment}; {rows[0]['seconds']:.0f} s each")
 
 
+def renew_nat(result, page):
+    rows, comment = read_numbers(result)
+    row = rows[0]
+    lines = ["| from `keys init` until both people are in one picture | counted | frames of alice, bob that came | missing | longest gap | "
+             "age p50 | alice's home gets another address: back after |", "|---|---|---|---|---|---|---|",
+             f"| {row['until_picture_s']:.1f} s | {row['seconds']:.0f} s | {row['alice_received']:.0f}, {row['bob_received']:.0f} | "
+             f"{row['alice_missing']:.0f}, {row['bob_missing']:.0f} | {max(row['alice_gap_ms'], row['bob_gap_ms']):.0f} ms | "
+             f"{row['alice_median_ms']:.0f}, {row['bob_median_ms']:.0f} ms | {row['moved_gap_ms'] / 1000:.1f} s |"]
+    put_table(page, "nat", lines, comment)
+
+
 if __name__ == "__main__":
-    if len(sys.argv) != 4 or sys.argv[1] not in ("cost", "floods"):
+    if len(sys.argv) != 4 or sys.argv[1] not in ("cost", "floods", "nat"):
         sys.exit(__doc__)
-    (renew_cost if sys.argv[1] == "cost" else renew_floods)(sys.argv[2], sys.argv[3])
+    {"cost": renew_cost, "floods": renew_floods, "nat": renew_nat}[sys.argv[1]](sys.argv[2], sys.argv[3])

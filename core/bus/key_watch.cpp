@@ -100,7 +100,10 @@ void KeyWatch::Impl::look_at_file() {
     if (time == file_time) return;
     file_time = time;
     const auto now = keys::read_bundle(file);
-    if (!now) return log_line(fmt::format("bundle_not_read reason=\"{}\"", now.error().message));
+    if (!now) {
+        file_time = {};  // it may be half copied: again at the next look
+        return log_line(fmt::format("bundle_not_read reason=\"{}\"", now.error().message));
+    }
     if (now->identity_ca != bundle->identity_ca)
         return log_line(
             fmt::format("bundle_of_other_keys file={} it is of another key store: "
