@@ -187,6 +187,7 @@ public:
         pugi::xml_node general = child(domain_, "General");
         limit(general, "MaxMessageSize", kMaxSecuredMessageBytes);
         limit(general, "FragmentSize", kMaxSecuredFragmentBytes);
+        calm_down();
     }
 
     std::string text() const {
@@ -196,6 +197,14 @@ public:
     }
 
 private:
+    static std::optional<double> milliseconds_of(const std::string& text) {
+        std::istringstream stream(text);
+        double number = 0.0;
+        std::string unit;
+        if (!(stream >> number >> unit)) return std::nullopt;
+        return unit == "s" ? 1e3 * number : unit == "ms" ? number : 1e-3 * number;
+    }
+
     static std::optional<std::size_t> bytes_of(const std::string& text) {
         std::istringstream stream(text);
         double number = 0.0;
@@ -206,6 +215,25 @@ private:
                               : unit == "kB" || unit == "KiB" ? 1 << 10
                                                               : 1;
         return static_cast<std::size_t>(number * factor);
+    }
+
+    // Until two programs have proven their keys, only announcements keep them in each other's
+    // lists, and what one sends the other is not read. The short intervals of open worlds then lose
+    // participants in the middle of a handshake, and more than a dozen programs fill a host with
+    // heartbeats that nobody answers. Writers still lose their liveliness after a second.
+    void calm_down() {
+        child(child(domain_, "Discovery"), "LeaseDuration").text().set("10s");
+        pugi::xml_node internal = child(domain_, "Internal");
+        pugi::xml_node heartbeats = child(internal, "HeartbeatInterval");
+        heartbeats.text().set("100ms");
+        for (const auto& [name, value] :
+             {std::pair("min", "5ms"), std::pair("minsched", "20ms"), std::pair("max", "8s")}) {
+            heartbeats.remove_attribute(name);
+            heartbeats.append_attribute(name) = value;
+        }
+        // of a link with a long round trip it is longer already
+        pugi::xml_node delay = child(internal, "NackDelay");
+        if (milliseconds_of(delay.text().get()).value_or(0.0) < 10.0) delay.text().set("10ms");
     }
 
     static void limit(pugi::xml_node general, const char* name, std::size_t max) {

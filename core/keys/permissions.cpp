@@ -99,14 +99,14 @@ std::string governance_xml() {
     add_all_domains(rule);
     add(rule, "allow_unauthenticated_participants", "false");
     add(rule, "enable_join_access_control", "true");
-    add(rule, "discovery_protection_kind", "ENCRYPT");
-    add(rule, "liveliness_protection_kind", "ENCRYPT");
+    add(rule, "discovery_protection_kind", "NONE");
+    add(rule, "liveliness_protection_kind", "NONE");
     // with origin authentication: else a member could forge samples of another
     add(rule, "rtps_protection_kind", "ENCRYPT_WITH_ORIGIN_AUTHENTICATION");
     xml_node topic = rule.append_child("topic_access_rules").append_child("topic_rule");
     add(topic, "topic_expression", "*");
-    add(topic, "enable_discovery_protection", "true");
-    add(topic, "enable_liveliness_protection", "true");
+    add(topic, "enable_discovery_protection", "false");
+    add(topic, "enable_liveliness_protection", "false");
     add(topic, "enable_read_access_control", "true");
     add(topic, "enable_write_access_control", "true");
     add(topic, "metadata_protection_kind", "NONE");  // RTPS encrypts all of it already

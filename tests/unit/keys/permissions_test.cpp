@@ -173,8 +173,8 @@ TEST(Governance, EncryptsAllAndLetsOnlyMembersIn) {
                 ElementsAre("domains=",
                             "allow_unauthenticated_participants=false",
                             "enable_join_access_control=true",
-                            "discovery_protection_kind=ENCRYPT",
-                            "liveliness_protection_kind=ENCRYPT",
+                            "discovery_protection_kind=NONE",
+                            "liveliness_protection_kind=NONE",
                             "rtps_protection_kind=ENCRYPT_WITH_ORIGIN_AUTHENTICATION",
                             "topic_access_rules="));
     std::vector<std::string> topic;
@@ -183,8 +183,8 @@ TEST(Governance, EncryptsAllAndLetsOnlyMembersIn) {
         topic.push_back(std::string(child.name()) + "=" + child.child_value());
     EXPECT_THAT(topic,
                 ElementsAre("topic_expression=*",
-                            "enable_discovery_protection=true",
-                            "enable_liveliness_protection=true",
+                            "enable_discovery_protection=false",
+                            "enable_liveliness_protection=false",
                             "enable_read_access_control=true",
                             "enable_write_access_control=true",
                             "metadata_protection_kind=NONE",
