@@ -89,6 +89,8 @@ void KeyWatch::Impl::use(const std::string& crl, const std::string& from) {
         if (serials.insert(entry.serial).second) added.insert(entry.serial);
     if (added.empty()) return;
     refuse_keys(bundle->member.world, added);
+    log_line(
+        fmt::format("revoked_keys new={} all={} from=\"{}\"", added.size(), serials.size(), from));
     if (added.contains(own.serial))
         log_line(
             "own_key_revoked others cut this program off; if it shall go on, its owner runs "

@@ -109,6 +109,15 @@ Expected<std::vector<std::string>> Participant::Impl::partitions(std::string_vie
     auto allowed = found == nullptr ? std::vector<std::string>()
                    : is_reader      ? keys::partitions_read(member, *found)
                                     : keys::partitions_written(member, *found);
+    if (allowed.empty() && found != nullptr && found->needs_right && !is_reader)
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("the keys of {} do not have the right {}: its owner runs `atrium keys "
+                        "renew {} --rights {}` and exports it",
+                        describe(member),
+                        keys::rights_text({*found->needs_right}),
+                        member.name,
+                        keys::rights_text({*found->needs_right})));
     if (allowed.empty())
         return make_error(ErrorKind::kConfiguration,
                           fmt::format("the keys of {} do not allow to {} {}",

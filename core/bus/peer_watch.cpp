@@ -344,8 +344,8 @@ void PeerWatch::State::look_for_strangers() {
              if (!stranger.is_reported && now - stranger.since >= kProofTimeout) {
                  stranger.is_reported = true;
                  const std::string line = fmt::format(
-                     "refused peer=\"{} pid {}\" reason=\"without keys, or without "
-                     "those of this world\"",
+                     "refused peer=\"{} pid {}\" reason=\"without keys, with those of "
+                     "another world, or with a revoked one\"",
                      property(found.qos, "__Hostname"),
                      property(found.qos, "__Pid"));
                  DdsLog::of_process().add(line, line);

@@ -40,14 +40,22 @@ std::string spread_list(const Options& options, const KeyStore& store, Timestamp
     std::string commands;
     for (const Entry& entry : *entries) {
         const bool is_used = entry.state == State::kValid || entry.state == State::kExpiresSoon;
-        if (is_used && entry.member.kind == Kind::kWorld)
+        if (!is_used || entry.member.kind != Kind::kWorld) continue;
+        if (store.hub().empty()) {
             commands += "  " + export_command(options, entry.member.name, " --replace") + "\n";
+            continue;
+        }
+        const std::string file = entry.member.name + ".invitation";
+        commands += fmt::format(
+            "  {}\nand there, for the tunnel:\n  sudo atrium tunnel up {}\n",
+            command(options, fmt::format("export {} -o {} --replace", entry.member.name, file)),
+            file);
     }
     if (commands.empty())
         return "Others refuse the old key when their bundles have the new list of revoked keys: "
                "export them again, over the files that their programs were started with.\n";
     return "Bring the new list of revoked keys to the world server, over the file that it was "
-           "started with. It refuses the old key within a second, and tells all others:\n" +
+           "started with. Two seconds later it and all others refuse the old key:\n" +
            commands;
 }
 

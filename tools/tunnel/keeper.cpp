@@ -63,6 +63,8 @@ std::string address_towards(const sockaddr_in& hub) {
 
 }  // namespace
 
+bool knows_hub(const keys::Tunnel& tunnel) { return address_of_hub(tunnel).has_value(); }
+
 void keep(const keys::Tunnel& tunnel,
           const std::string& card,
           const Run& run,

@@ -18,6 +18,9 @@ void keep(const keys::Tunnel& tunnel,
           const Run& run,
           std::stop_token stop);
 
+/// True if this host knows the hub's name.
+bool knows_hub(const keys::Tunnel& tunnel);
+
 /// Of several keepers of a card only the newest goes on: ends the other one, and holds the lock
 /// file until the process ends. kUnavailable if that fails.
 Expected<void> become_the_keeper(const std::string& card, const std::filesystem::path& folder);

@@ -89,6 +89,11 @@ int run(int argc, char** argv) {
         std::fputs(text->c_str(), stdout);
         return 0;
     }
+    if (*up && !tunnel.is_hub() && !knows_hub(tunnel))
+        return app::fail({ErrorKind::kUnavailable,
+                          fmt::format("this host does not know the hub's name in {}: no internet "
+                                      "here, or a wrong --hub of `atrium keys invite`",
+                                      tunnel.hub)});
     const auto done = *up ? bring_up(tunnel, card, run) : take_down(tunnel, card, run);
     if (!done) return app::fail(done.error());
     if (*down) {

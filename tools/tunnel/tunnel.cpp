@@ -60,6 +60,21 @@ Expected<void> make_card(const std::string& card, const Run& run) {
     return {};
 }
 
+// Another place's keys on this card would throw that place out.
+Expected<void> check_place(const keys::Tunnel& tunnel, const std::string& card, const Run& run) {
+    const auto shown = run({"ip", "-4", "-o", "address", "show", "dev", card}, {});
+    const std::string text = shown ? shown->text : std::string();
+    const bool has_address = text.find("inet ") != std::string::npos;
+    if (!has_address || text.find("inet " + tunnel.own().address + "/") != std::string::npos)
+        return {};
+    return make_error(ErrorKind::kUnavailable,
+                      fmt::format("{} is up for another place than {}; a second program on this "
+                                  "host needs no second tunnel: start it with --join FILE; or run "
+                                  "`atrium tunnel down` with this host's file before",
+                                  card,
+                                  tunnel.name));
+}
+
 // What comes out of the tunnel goes back into it, to this host, or nowhere.
 Expected<void> pass_on_between_spokes(const keys::Tunnel& tunnel,
                                       const std::string& card,
@@ -112,8 +127,10 @@ Expected<std::string> run_or_fail(const Run& run,
 }
 
 Expected<void> bring_up(const keys::Tunnel& tunnel, const std::string& card, const Run& run) {
-    if (!has_card(card, run)) {
-        if (auto made = make_card(card, run); !made) return made;
+    if (has_card(card, run)) {
+        if (auto ours = check_place(tunnel, card, run); !ours) return ours;
+    } else if (auto made = make_card(card, run); !made) {
+        return made;
     }
     const auto configured =
         run_or_fail(run, {"wg", "syncconf", card, "/dev/stdin"}, keys::wireguard_text(tunnel));

@@ -26,7 +26,7 @@ int hub_table(const std::string& card);
 /// Makes the card `card` if it is missing and configures it. If it is up already, only what has
 /// changed: connections go on. At the hub packets between spokes are passed on, and none from the
 /// tunnel to other networks. Fails with kUnavailable and the cure: without the right to change the
-/// network, or without the programs.
+/// network, without the programs, or if the card is up for another place.
 Expected<void> bring_up(const keys::Tunnel& tunnel, const std::string& card, const Run& run);
 
 /// Removes the card and the routes. Nothing happens if there is none.

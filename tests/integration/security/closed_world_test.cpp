@@ -37,7 +37,8 @@ TEST_F(ClosedWorldTest, KeysOfAnotherStoreAreRefused) {
     let_pass();
     // Chance decides who begins the handshake. If the attacker refuses first, it says nothing.
     const std::string silent = fmt::format(
-        "pid {}\" reason=\"without keys, or without those of this world\"", attacker_->id());
+        "pid {}\" reason=\"without keys, with those of another world, or with a revoked one\"",
+        attacker_->id());
     EXPECT_TRUE(world().wait_until([&] {
         const std::string logs = world().logs();
         return logs.find("refused peer=\"site alice of world playroom, by its own words\"") !=

@@ -69,12 +69,27 @@ TEST_F(TunnelCommands, MakeACardWithoutTheKernel) {
 
 TEST_F(TunnelCommands, ReconfigureACardThatIsThere) {
     host_.answer("ip link show", 0, "7: wg-playroom: <POINTOPOINT,NOARP,UP,LOWER_UP> mtu 1420");
+    host_.answer("ip -4 -o address show", 0, "7: wg-playroom    inet 10.200.7.2/24 scope global\n");
     expect_up("bob");
     EXPECT_THAT(host_.lines,
                 ElementsAre("ip link show dev wg-playroom",
+                            "ip -4 -o address show dev wg-playroom",
                             "wg syncconf wg-playroom /dev/stdin",
                             "ip address replace 10.200.7.2/24 dev wg-playroom",
                             "ip link set dev wg-playroom mtu 1420 up"));
+}
+
+TEST_F(TunnelCommands, LeaveTheCardToAnotherPlace) {
+    host_.answer("ip link show", 0, "7: wg-playroom: <POINTOPOINT,NOARP,UP,LOWER_UP> mtu 1420");
+    // bob's address begins like that of this place
+    host_.answer(
+        "ip -4 -o address show", 0, "7: wg-playroom    inet 10.200.7.22/24 scope global\n");
+    const auto up = bring_up(tunnel_of("bob"), kCard, host_.run());
+    ASSERT_FALSE(up);
+    EXPECT_EQ(up.error().kind, ErrorKind::kUnavailable);
+    EXPECT_THAT(up.error().message,
+                AllOf(HasSubstr("is up for another place than bob"), HasSubstr("--join FILE")));
+    EXPECT_THAT(host_.lines, SizeIs(2)) << "nothing is changed";
 }
 
 TEST_F(TunnelCommands, LetTheHubPassPacketsOnBetweenSpokesOnly) {
