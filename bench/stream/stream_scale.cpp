@@ -21,9 +21,9 @@
 //
 //   stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS [KEYS]
 //
-// NETWORK: as for --network. STREAM: made by replayed_site --code. DECODE: true or false. KEYS: folder
-// with site-0.bundle, viewer-0.bundle and so on, of a closed world.
-// `stream_scale head` prints the column names.
+// NETWORK: as for --network. STREAM: made by replayed_site --code. DECODE: true or false. KEYS:
+// folder with site-0.bundle, viewer-0.bundle and so on, of a closed world. `stream_scale head`
+// prints the column names.
 namespace {
 
 using namespace atrium;
@@ -34,7 +34,8 @@ constexpr const char* kUsage =
     "usage: stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS [KEYS]\n"
     "       stream_scale head\n"
     "One row of docs/measurements/streams.md, Scale. NETWORK: as for --network; STREAM: made by\n"
-    "replayed_site --code; DECODE: true or false; KEYS: folder with site-0.bundle, viewer-0.bundle\n"
+    "replayed_site --code; DECODE: true or false; KEYS: folder with site-0.bundle, "
+    "viewer-0.bundle\n"
     "...; head: the column names.\n";
 constexpr auto kPatience = 60s;  // many programs on few cores
 constexpr auto kSettle = 3s;
@@ -105,9 +106,9 @@ private:
         std::vector<std::string> command{
             ATRIUM_BIN_DIR "/" + program, "--network", network_, "--name", name};
         command.insert(command.end(), options.begin(), options.end());
-        command.insert(command.end(),
-                       {"--security",
-                        keys_.empty() ? "none" : fmt::format("{}/{}.bundle", keys_, name)});
+        command.insert(
+            command.end(),
+            {"--security", keys_.empty() ? "none" : fmt::format("{}/{}.bundle", keys_, name)});
         auto process = HostedProcess::start(command);
         if (!process) fail(1, process.error().message);
         processes_.push_back(std::move(*process));

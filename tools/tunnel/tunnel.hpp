@@ -19,8 +19,8 @@ using Run = std::function<std::optional<CommandOutput>(const std::vector<std::st
 
 /// What packets in the tunnel may be: WireGuard adds up to 80 bytes, and networks carry 1500.
 inline constexpr int kTunnelMtu = 1420;
-/// Number of the table of routes of a hub, for packets that come out of this card: of two hubs on one
-/// host each has its own.
+/// Number of the table of routes of a hub, for packets that come out of this card: of two hubs on
+/// one host each has its own.
 int hub_table(const std::string& card);
 
 /// Makes the card `card` if it is missing and configures it. If it is up already, only what has
