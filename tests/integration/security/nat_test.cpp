@@ -22,7 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using testing::HasSubstr;
 
 // The hub, and the routers of alice, bob and carol.
 enum Host : int { kHub, kAlice, kBob, kCarol, kNumHosts };
@@ -203,7 +202,6 @@ TEST_F(Nat, TwoRoomsMeetThroughAHub) {
     const std::string output = watch->output();
     const auto at = output.find("longest_gap_ms ", output.find("site alice"));
     ASSERT_NE(at, std::string::npos) << output;
-    EXPECT_THAT(output, HasSubstr("gap alice ")) << "it moved, and came back";
     EXPECT_LT(std::stod(output.substr(at + 15)), 5000.0) << output;
     for (auto& running : programs_) {
         running->signal(SIGTERM);
