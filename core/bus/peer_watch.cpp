@@ -95,6 +95,17 @@ void each(dds_entity_t reader, std::uint32_t which, Visit&& visit) {
     if (num > 0) dds_return_loan(reader, samples.data(), num);
 }
 
+/// Takes what is no longer there from a built-in topic's reader, which else keeps it for ever.
+void forget_dead(dds_entity_t reader) {
+    std::vector<void*> samples(static_cast<std::size_t>(kMaxRead), nullptr);
+    std::vector<dds_sample_info_t> infos(static_cast<std::size_t>(kMaxRead));
+    constexpr std::uint32_t kDead = DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE |
+                                    DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE |
+                                    DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE;
+    const int num = dds_take_mask(reader, samples.data(), infos.data(), kMaxRead, kMaxRead, kDead);
+    if (num > 0) dds_return_loan(reader, samples.data(), num);
+}
+
 /// The participant's part of a GUID in hexadecimal.
 std::string text_of(const dds_guid_t& guid) {
     std::string text;
@@ -232,6 +243,9 @@ std::vector<std::string> PeerWatch::take_mismatches() {
     state_->look(state_->subscriptions, false, lines);
     state_->endpoints_changed = false;
     if (state_->has_keys) state_->look_for_strangers();
+    for (const Entity* builtin :
+         {&state_->publications, &state_->subscriptions, &state_->participants})
+        forget_dead(builtin->get());
     return lines;
 }
 
