@@ -13,7 +13,6 @@
 namespace atrium::keys {
 namespace {
 
-// WireGuard adds 60 bytes to a packet, over IPv6 80; 1420 fit into the usual 1500.
 constexpr int kKeepalive_s = 25;  // shorter than what NAT remembers
 
 std::optional<int> number_in(std::string_view text, int min, int max) {
@@ -46,6 +45,8 @@ tl::unexpected<Error> damaged_tunnel(const std::string& what) {
 }
 
 }  // namespace
+
+std::string Tunnel::subnet() const { return subnet_of(places.front().address); }
 
 const Place& Tunnel::own() const { return *std::ranges::find(places, name, &Place::name); }
 
@@ -108,8 +109,7 @@ Expected<Tunnel> read_tunnel(config::TableReader& table) {
         entry.read("public_key", place.public_key);
         if (!check_key_name(place.name, "a place")) return damaged_tunnel("a place without a name");
         if (!is_address(place.address) ||
-            (!tunnel.places.empty() &&
-             subnet_of(place.address) != subnet_of(tunnel.places.front().address)))
+            (!tunnel.places.empty() && subnet_of(place.address) != tunnel.subnet()))
             return damaged_tunnel("a wrong address");
         if (!is_tunnel_key(place.public_key)) return damaged_tunnel("a damaged public key");
         if (!names.insert(place.name).second || !addresses.insert(place.address).second)
@@ -139,7 +139,7 @@ std::string wireguard_text(const Tunnel& tunnel) {
         "\n[Peer]\nPublicKey = {}\nEndpoint = {}\nAllowedIPs = {}\nPersistentKeepalive = {}\n",
         hub.public_key,
         tunnel.hub,
-        subnet_of(hub.address),
+        tunnel.subnet(),
         kKeepalive_s);
     return text;
 }

@@ -45,6 +45,7 @@ struct Tunnel {
 
     bool is_hub() const { return !places.empty() && places.front().name == name; }
     const Place& own() const;
+    std::string subnet() const;  // of all places, "10.83.17.0/24"
 };
 
 /// "HOST" or "HOST:PORT" as "HOST:PORT". kConfiguration if it is no name or IPv4 address.

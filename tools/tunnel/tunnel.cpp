@@ -8,11 +8,6 @@
 namespace atrium::tunnel_tool {
 namespace {
 
-std::string subnet_of_tunnel(const keys::Tunnel& tunnel) {
-    const std::string& hub = tunnel.places.front().address;
-    return hub.substr(0, hub.rfind('.')) + ".0/24";
-}
-
 bool has_card(const std::string& card, const Run& run) {
     const auto shown = run({"ip", "link", "show", "dev", card}, {});
     return shown && shown->exit_code == 0;
@@ -82,7 +77,7 @@ Expected<void> pass_on_between_spokes(const keys::Tunnel& tunnel,
     const std::string table = std::to_string(hub_table(card));
     const std::vector<std::vector<std::string>> commands{
         {"sysctl", "-q", "-w", fmt::format("net/ipv4/conf/{}/forwarding=1", card)},
-        {"ip", "route", "replace", subnet_of_tunnel(tunnel), "dev", card, "table", table},
+        {"ip", "route", "replace", tunnel.subnet(), "dev", card, "table", table},
         {"ip", "route", "replace", "unreachable", "default", "table", table}};
     for (const auto& command : commands)
         if (auto done = run_or_fail(run, command); !done) return tl::unexpected(done.error());
