@@ -64,8 +64,13 @@ std::string file_of_bundle(const BusOptions& options) {
     return std::filesystem::exists(file, error) ? file.string() : std::string();
 }
 
-tl::unexpected<Error> wrong_keys(const std::string& what) {
-    return make_error(ErrorKind::kConfiguration, "bus.security: " + what);
+const char* option_with_keys(const BusOptions& options) {
+    return options.join.empty() ? "bus.security" : "bus.join";
+}
+
+tl::unexpected<Error> wrong_keys(const BusOptions& options, const std::string& what) {
+    return make_error(ErrorKind::kConfiguration,
+                      fmt::format("{}: {}", option_with_keys(options), what));
 }
 
 Expected<void> enter_tunnel(BusOptions& options,
@@ -101,7 +106,7 @@ Expected<void> enter_keys(BusOptions& options) {
     if (options.keys) return {};
     const std::string file = file_of_bundle(options);
     if (file.empty()) return {};
-    const char* const key = options.join.empty() ? "bus.security" : "bus.join";
+    const char* const key = option_with_keys(options);
     if (!options.join.empty() && !options.security.empty() && options.security != options.join)
         return make_error(ErrorKind::kConfiguration,
                           "bus.join: --security is given as well; an invitation has the keys, so "
@@ -115,12 +120,12 @@ Expected<void> enter_keys(BusOptions& options) {
                           fmt::format("{}: {}: {}", key, file, fine.error().message));
     const std::string& world = options.world;
     if (!world.empty() && world != BusOptions().world && world != member.world)
-        return wrong_keys(
-            fmt::format("{} has keys of the world '{}', and --world is '{}'; leave "
-                        "--world out, or take keys of that world",
-                        file,
-                        member.world,
-                        world));
+        return wrong_keys(options,
+                          fmt::format("{} has keys of the world '{}', and --world is '{}'; leave "
+                                      "--world out, or take keys of that world",
+                                      file,
+                                      member.world,
+                                      world));
     if (!options.join.empty()) {
         if (auto entered = enter_tunnel(options, file, *bundle); !entered) return entered;
     }
@@ -135,24 +140,26 @@ Expected<void> enter_keys(BusOptions& options, keys::Kind kind, std::string& nam
     const keys::Member& member = options.keys->member;
     if (member.kind != kind) {
         const bool has_name = kind != keys::Kind::kWorld;
-        return wrong_keys(fmt::format(
-            "{} has the keys of {}, this program needs those of a {}: `atrium keys add {}{}`",
-            options.security,
-            describe(member),
-            kind_text(kind),
-            kind_text(kind),
-            has_name ? " NAME" : ""));
+        return wrong_keys(
+            options,
+            fmt::format(
+                "{} has the keys of {}, this program needs those of a {}: `atrium keys add {}{}`",
+                options.security,
+                describe(member),
+                kind_text(kind),
+                kind_text(kind),
+                has_name ? " NAME" : ""));
     }
     if (name.empty()) name = member.name;
     if (name != member.name)
-        return wrong_keys(
-            fmt::format("{} has the keys of {}, and this program is named '{}'; take "
-                        "the keys of '{}', or the name '{}'",
-                        options.security,
-                        describe(member),
-                        name,
-                        name,
-                        member.name));
+        return wrong_keys(options,
+                          fmt::format("{} has the keys of {}, and this program is named '{}'; take "
+                                      "the keys of '{}', or the name '{}'",
+                                      options.security,
+                                      describe(member),
+                                      name,
+                                      name,
+                                      member.name));
     return {};
 }
 

@@ -282,6 +282,14 @@ TEST_F(EnterKeys, JoinsOnlyThroughATunnelThatIsUp) {
     EXPECT_EQ(options_.world, BusOptions().world);
 }
 
+TEST_F(EnterKeys, NamesJoinIfItsKeysAreOfAnotherWorld) {
+    options_.join = bundles().file("bob.invitation");
+    options_.world = "elsewhere";
+    const Error error = error_of_entering();
+    EXPECT_EQ(error.kind, ErrorKind::kConfiguration);
+    EXPECT_THAT(error.message, AllOf(HasSubstr("bus.join: "), HasSubstr("'elsewhere'")));
+}
+
 // An invitation is a bundle as well.
 TEST_F(EnterKeys, NeedsNoTunnelWithoutJoin) {
     options_.security = bundles().file("bob.invitation");
