@@ -2,16 +2,13 @@
 
 #include "core/base/timestamp.hpp"
 #include "core/bus/bus.hpp"
-#include "core/config/rig.hpp"
+#include "tests/integration/swaying_person.hpp"
 #include "tests/support/comes_true.hpp"
 #include "tests/support/network/hosted_process.hpp"
-#include "tests/support/source_dir.hpp"
-#include "tests/unit/site_node/capsule_room.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 #include <unistd.h>
 
 #include <cmath>
@@ -39,30 +36,6 @@ template <typename T>
 T value(Expected<T> expected) {
     if (!expected) throw std::runtime_error(expected.error().message);
     return std::move(*expected);
-}
-
-// A person who sways, as masks of eight cameras.
-inline void write_recording(const fs::path& folder) {
-    const fs::path file = test::source_dir() + "/deploy/rigs/full_body.toml";
-    fs::create_directories(folder);
-    fs::copy_file(file, folder / "rig.toml");
-    const config::Rig rig = value(config::load_rig(file));
-    for (int instant = 0; instant < kNumInstants; ++instant) {
-        const auto body =
-            site_node::test::make_body({0.05 * instant, 0.1 * std::sin(instant), 0.0});
-        for (const geometry::CalibratedCamera& camera : rig.cameras) {
-            const image::Mask mask = site_node::test::draw(body, camera);
-            const cv::Mat white(
-                mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.row(0)));
-            const cv::Mat picture = 90 + 0.4 * white;
-            for (const auto& [what, pixels] :
-                 {std::pair("frames", picture), std::pair("silhouettes", white)}) {
-                fs::create_directories(folder / camera.name / what);
-                const std::string name = fmt::format("{:06}.png", instant);
-                ASSERT_TRUE(cv::imwrite((folder / camera.name / what / name).string(), pixels));
-            }
-        }
-    }
 }
 
 inline std::string site_file(const fs::path& recording) {
@@ -126,7 +99,7 @@ class SiteHosts : public testing::Test {
 protected:
     static void SetUpTestSuite() {
         folder_ = fs::path(testing::TempDir()) / ("atrium_site_hosts_" + std::to_string(getpid()));
-        write_recording(folder_ / "recording");
+        write_swaying_person(folder_ / "recording", kNumInstants);
         std::ofstream(folder_ / "one.toml") << site_file(folder_ / "recording");
         std::ofstream(folder_ / "hall.toml") << site_file(folder_ / "recording") << kHosts;
         const std::string regions = site_file(folder_ / "recording") + kRegions;

@@ -3,6 +3,8 @@
 #include "tests/support/network/network_host.hpp"
 #include "tests/support/skips.hpp"
 
+#include <opencv2/imgcodecs.hpp>
+
 #include <regex>
 
 // A site of which two hosts have the cameras and a third one computes the hull, as programs that

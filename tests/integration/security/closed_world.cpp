@@ -1,15 +1,11 @@
 #include "tests/integration/security/closed_world.hpp"
 
-#include "core/config/rig.hpp"
 #include "core/keys/private_file.hpp"
-#include "tests/support/source_dir.hpp"
-#include "tests/unit/site_node/capsule_room.hpp"
+#include "tests/integration/swaying_person.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
-#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <thread>
@@ -20,38 +16,13 @@ namespace {
 constexpr const char* kWorldName = "playroom";
 constexpr std::size_t kMaxPayloads = 4000;
 
-// A person who sways, as masks of eight cameras.
-void write_recording(const fs::path& folder) {
-    const fs::path file = source_dir() + "/deploy/rigs/full_body.toml";
-    fs::create_directories(folder);
-    fs::copy_file(file, folder / "rig.toml");
-    const config::Rig rig = value(config::load_rig(file));
-    for (int instant = 0; instant < 4; ++instant) {
-        const auto body =
-            site_node::test::make_body({0.05 * instant, 0.1 * std::sin(instant), 0.0});
-        for (const geometry::CalibratedCamera& camera : rig.cameras) {
-            const image::Mask mask = site_node::test::draw(body, camera);
-            const cv::Mat white(
-                mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.row(0)));
-            const cv::Mat picture = 90 + 0.4 * white;
-            for (const auto& [what, pixels] :
-                 {std::pair("frames", picture), std::pair("silhouettes", white)}) {
-                fs::create_directories(folder / camera.name / what);
-                const std::string name = fmt::format("{:06}.png", instant);
-                if (!cv::imwrite((folder / camera.name / what / name).string(), pixels))
-                    throw std::runtime_error("cannot write " + folder.string());
-            }
-        }
-    }
-}
-
 }  // namespace
 
 ClosedWorld::ClosedWorld(std::uint32_t domain)
     : domain_(domain),
       store_(value(
           keys::KeyStore::create(folder_ / "playroom.keys", kWorldName, 365, Timestamp::now()))) {
-    write_recording(folder_ / "recording");
+    write_swaying_person(folder_ / "recording", 4);
     std::ofstream(folder_ / "alice.toml") << fmt::format(R"([site]
 name = "alice"
 [capture]
