@@ -106,10 +106,25 @@ Result begin_handshake_request(Plugin* plugin,
     return result;
 }
 
-std::string claimed_name(const DDS_Security_HandshakeMessageToken& message) {
-    const auto claim = peer_of(binary_property(message, "c.id"));
-    return claim ? fmt::format("{} of world {}, by its own words", claim->name, claim->world)
-                 : std::string("a program without keys of Atrium");
+// The last message of a handshake has no certificate: then the program's GUID.
+std::string claimed_name(const Plugin* plugin,
+                         Identity remote,
+                         const DDS_Security_HandshakeMessageToken& message) {
+    if (const auto claim = peer_of(binary_property(message, "c.id")))
+        return fmt::format("{} of world {}, by its own words", claim->name, claim->world);
+    Process& all = process();
+    const std::lock_guard lock(all.mutex);
+    const auto& guids = all.instances.at(plugin).guids;
+    const auto guid = guids.find(remote);
+    return guid == guids.end() ? "a program" : "program " + guid->second;
+}
+
+Identity remote_of(const Plugin* plugin, Handshake handshake) {
+    Process& all = process();
+    const std::lock_guard lock(all.mutex);
+    const auto& handshakes = all.instances.at(plugin).handshakes;
+    const auto remote = handshakes.find(handshake);
+    return remote == handshakes.end() ? DDS_SECURITY_HANDLE_NIL : remote->second;
 }
 
 std::string reason_of(const Exception* exception) {
@@ -129,7 +144,7 @@ Result begin_handshake_reply(Plugin* plugin,
     const Result result = original_of(plugin).begin_handshake_reply(
         plugin, handshake, reply, request, remote, local, participant, exception);
     if (result == DDS_SECURITY_VALIDATION_FAILED) {
-        log_refusal(claimed_name(*request), reason_of(exception));
+        log_refusal(claimed_name(plugin, remote, *request), reason_of(exception));
         return result;
     }
     Process& all = process();
@@ -162,25 +177,26 @@ Result process_handshake(Plugin* plugin,
                          const DDS_Security_HandshakeMessageToken* message,
                          Handshake handshake,
                          Exception* exception) {
+    const Identity remote = remote_of(plugin, handshake);
     const Result result =
         original_of(plugin).process_handshake(plugin, reply, message, handshake, exception);
     if (result == DDS_SECURITY_VALIDATION_FAILED)
-        log_refusal(claimed_name(*message), reason_of(exception));
+        log_refusal(claimed_name(plugin, remote, *message), reason_of(exception));
     if (result != DDS_SECURITY_VALIDATION_OK && result != DDS_SECURITY_VALIDATION_OK_FINAL_MESSAGE)
         return result;
     auto peer = authenticated_peer(plugin, handshake);
     if (!peer)
-        return refuse(
-            "a program without keys of Atrium", "its certificate has no member", exception);
+        return refuse(claimed_name(plugin, remote, *message),
+                      "its certificate names no member of a world of Atrium",
+                      exception);
     Process& all = process();
     bool is_refused = false;
     {
         const std::lock_guard lock(all.mutex);
         is_refused = all.refused[peer->world].contains(peer->serial);
         Instance& instance = all.instances.at(plugin);
-        const auto remote = instance.handshakes.find(handshake);
-        if (!is_refused && remote != instance.handshakes.end())
-            instance.peers.insert_or_assign(remote->second, *peer);
+        if (!is_refused && remote != DDS_SECURITY_HANDLE_NIL)
+            instance.peers.insert_or_assign(remote, *peer);
     }
     return is_refused ? refuse(peer->name, "its key is revoked", exception) : result;
 }
