@@ -36,8 +36,8 @@ struct Instance {
     std::map<Identity, Peer> peers;
 };
 
-/// Limits the handshakes, each of which costs a millisecond, to a share of a core: strangers can
-/// ask for any number. Those beyond it are tried again after a second.
+/// Limits the handshakes, each of which costs signatures, to a share of a core: strangers can ask
+/// for any number. Those beyond it are tried again after a second.
 class HandshakeBudget {
 public:
     bool take() {
