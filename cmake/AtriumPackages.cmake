@@ -89,7 +89,7 @@ add_custom_target(atrium_commands ALL DEPENDS ${atrium_links})
 add_dependencies(programs atrium_commands)
 
 # programs find it in the folder lib/atrium above their own
-install(TARGETS atrium_authentication LIBRARY DESTINATION lib/atrium COMPONENT atrium-common)
+install(TARGETS atrium_security LIBRARY DESTINATION lib/atrium COMPONENT atrium-common)
 install(TARGETS atrium RUNTIME DESTINATION ${atrium_bin} COMPONENT atrium-common)
 _atrium_install_link(../lib/atrium/bin/atrium bin/atrium atrium-common)
 _atrium_manual(atrium atrium atrium-common "")

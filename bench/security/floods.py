@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Floods a closed world from outside and measures what its members lose: a site, a world server and a listener with keys on this host,
-one minute without a flood, one under garbage on the discovery ports, one under handshakes of strangers, one under replayed datagrams.
-Keeps the figures with date, commit and machine in bench/results/DATE-MACHINE-security-floods.csv and renews the table of
-docs/measurements/security.md. Needs the right to listen on the network (root).
+one minute without a flood, one under garbage on the discovery ports, one under handshakes of strangers, one under those of strangers
+whose leases never end, one under replayed datagrams. Keeps the figures with date, commit and machine in
+bench/results/DATE-MACHINE-security-floods.csv and renews the table of docs/measurements/security.md. Needs the right to listen on the
+network (root).
 
 usage: floods.py [BUILD] [SECONDS]
 """
@@ -105,6 +106,14 @@ def sniff(seconds, wanted, most):
     return found
 
 
+def endless(announcement):
+    """The same announcement with a lease that never ends (PID_PARTICIPANT_LEASE_DURATION)."""
+    head, lease, rest = announcement.partition(b"\x02\x00\x08\x00")
+    if not lease:
+        fail("an announcement without a lease")
+    return head + lease + b"\xff\xff\xff\x7f\xff\xff\xff\xff" + rest[8:]
+
+
 def write_datagrams(path, datagrams):
     with open(path, "wb") as file:
         for datagram in datagrams:
@@ -164,6 +173,9 @@ def run(build, seconds):
             write_datagrams(world.path("announcements"), announcements)
             rows.append(measure(world, honest, "handshakes", seconds,
                                 ("--datagrams", world.path("announcements"), "--new-prefix", "--rate", str(NUM_PORTS * HANDSHAKES_PER_S))))
+            write_datagrams(world.path("endless"), [endless(one) for one in announcements])
+            rows.append(measure(world, honest, "endless", seconds,
+                                ("--datagrams", world.path("endless"), "--new-prefix", "--rate", str(NUM_PORTS * HANDSHAKES_PER_S))))
             write_datagrams(world.path("replayed"), sniff(2, lambda data: True, 20000))
             rows.append(measure(world, honest, "replay", seconds, ("--datagrams", world.path("replayed"), "--rate", str(REPLAYED_PER_S))))
             rows.append(measure(world, honest, "after", min(seconds, 20), None))

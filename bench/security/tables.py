@@ -11,8 +11,8 @@ import sys
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from page_table import put_table, read_numbers
 
-FLOODS = {"none": "none", "garbage": "garbage", "handshakes": "announcements of strangers", "replay": "replayed datagrams",
-          "after": "none, afterwards"}
+FLOODS = {"none": "none", "garbage": "garbage", "handshakes": "announcements of strangers", "endless": "the same, leases that never end",
+          "replay": "replayed datagrams", "after": "none, afterwards"}
 
 
 def median(rows, key):

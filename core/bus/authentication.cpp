@@ -1,47 +1,51 @@
 #include "core/bus/authentication.hpp"
 
 #include "core/bus/authentication_internal.hpp"
+#include "core/bus/cyclone_entities.h"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
+#include <type_traits>
 #include <vector>
 
 namespace atrium::bus {
 
-using authentication::finalize;
+using authentication::Finalize;
 using authentication::guid_text;
-using authentication::init;
+using authentication::Init;
 using authentication::log_cut;
 using authentication::process;
 using authentication::Process;
 
 namespace {
 
-constexpr const char* kOurPlugin = "libatrium_authentication.so";
-constexpr const char* kCyclonesPlugin = "libdds_security_auth.so";
+constexpr const char* kOurPlugins = "libatrium_security.so";
+constexpr std::array kCyclonesPlugins{"libdds_security_auth.so", "libdds_security_crypto.so"};
+constexpr std::array kPluginNames{"authentication", "crypto"};
 
 // Beside Cyclone's library, where Debian and others put the plugins.
-std::filesystem::path cyclones_plugin() {
+std::filesystem::path cyclones_plugin(const char* name) {
     Dl_info info{};
     const auto address = reinterpret_cast<const void*>(&dds_create_domain);
     if (::dladdr(address, &info) == 0 || info.dli_fname == nullptr) return {};
     std::error_code error;
     const auto folder = std::filesystem::canonical(info.dli_fname, error).parent_path();
     for (const char* beside : {"libddsc0debian", "."}) {
-        const auto file = folder / beside / kCyclonesPlugin;
+        const auto file = folder / beside / name;
         if (std::filesystem::exists(file, error)) return file;
     }
     return {};
 }
 
 // In the next folder lib/atrium upwards from the program: /usr/lib/atrium, or that of the build.
-std::filesystem::path our_plugin() {
+std::filesystem::path our_plugins() {
     std::error_code error;
     auto folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
     while (!error && folder.has_relative_path()) {
-        const auto file = folder / "lib" / "atrium" / kOurPlugin;
+        const auto file = folder / "lib" / "atrium" / kOurPlugins;
         if (std::filesystem::exists(file, error)) return file;
         folder = folder.parent_path();
     }
@@ -61,30 +65,37 @@ Function* symbol(void* library, const char* name) {
 
 }  // namespace
 
-Expected<std::string> install_authentication() {
+Expected<std::string> install_security() {
     static std::mutex installing;
     const std::lock_guard lock(installing);
     Process& all = process();
     if (!all.path.empty()) return all.path;
-    const auto theirs = cyclones_plugin();
-    if (theirs.empty())
-        return not_loaded(fmt::format("{} is not beside libddsc.so", kCyclonesPlugin));
-    const auto ours = our_plugin();
+    // All stay loaded until the process ends: Cyclone's threads may be in them.
+    for (std::size_t i = 0; i < kCyclonesPlugins.size(); ++i) {
+        const auto theirs = cyclones_plugin(kCyclonesPlugins[i]);
+        if (theirs.empty())
+            return not_loaded(fmt::format("{} is not beside libddsc.so", kCyclonesPlugins[i]));
+        void* const library = ::dlopen(theirs.c_str(), RTLD_NOW);
+        if (library == nullptr) return not_loaded(::dlerror());
+        const std::string name = kPluginNames[i];
+        all.init[i] = symbol<std::remove_pointer_t<Init>>(library, ("init_" + name).c_str());
+        all.finalize[i] =
+            symbol<std::remove_pointer_t<Finalize>>(library, ("finalize_" + name).c_str());
+        if (all.init[i] == nullptr || all.finalize[i] == nullptr)
+            return not_loaded(fmt::format("{} is of another version", theirs.string()));
+    }
+    const auto ours = our_plugins();
     if (ours.empty())
         return not_loaded(
-            fmt::format("{} is in no folder lib/atrium above the program", kOurPlugin));
-    // Both stay loaded until the process ends: Cyclone's threads may be in them.
-    void* const their_library = ::dlopen(theirs.c_str(), RTLD_NOW);
-    if (their_library == nullptr) return not_loaded(::dlerror());
-    void* const our_library = ::dlopen(ours.c_str(), RTLD_NOW);
-    if (our_library == nullptr) return not_loaded(::dlerror());
-    all.init = symbol<int(const char*, void**, void*)>(their_library, "init_authentication");
-    all.finalize = symbol<int(void*)>(their_library, "finalize_authentication");
-    auto* const set = symbol<void(decltype(&init), decltype(&finalize))>(
-        our_library, "atrium_set_authentication");
-    if (all.init == nullptr || all.finalize == nullptr || set == nullptr)
-        return not_loaded("the plugins are of other versions");
-    set(&init, &finalize);
+            fmt::format("{} is in no folder lib/atrium above the program", kOurPlugins));
+    void* const library = ::dlopen(ours.c_str(), RTLD_NOW);
+    if (library == nullptr) return not_loaded(::dlerror());
+    auto* const set = symbol<void(const Init*, const Finalize*)>(library, "atrium_set_security");
+    if (set == nullptr) return not_loaded(fmt::format("{} is of another version", ours.string()));
+    const std::array<Init, 2> init{authentication::init, authentication::init_crypto};
+    const std::array<Finalize, 2> finalize{authentication::finalize,
+                                           authentication::finalize_crypto};
+    set(init.data(), finalize.data());
     all.path = ours.string();
     return all.path;
 }
@@ -114,6 +125,20 @@ void refuse_keys(const std::string& world, const std::set<std::string>& serials)
     }
 }
 
+void forget_participants(std::uint32_t domain, const std::vector<dds_guid_t>& participants) {
+    if (participants.empty()) return;
+    ddsi_domaingv* inside = nullptr;
+    {
+        Process& all = process();
+        const std::lock_guard lock(all.mutex);
+        for (const auto& [plugin, instance] : all.instances)
+            if (instance.domain == domain) inside = plugin->gv;
+    }
+    if (inside == nullptr) return;
+    for (const dds_guid_t& participant : participants)
+        atrium_forget_participant(inside, participant.v);
+}
+
 std::string proven_name(const dds_guid_t& participant) {
     return proven_name_in(guid_text(participant.v));
 }
@@ -123,8 +148,9 @@ std::string proven_name_in(const std::string& line) {
     const std::lock_guard lock(all.mutex);
     for (const auto& [plugin, instance] : all.instances) {
         for (const auto& [identity, peer] : instance.peers) {
-            const auto guid = instance.guids.find(identity);
-            if (guid != instance.guids.end() && line.find(guid->second) != std::string::npos)
+            const auto found = instance.remotes.find(identity);
+            if (found != instance.remotes.end() &&
+                line.find(found->second.text) != std::string::npos)
                 return peer.name;
         }
     }

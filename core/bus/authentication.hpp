@@ -4,21 +4,29 @@
 
 #include <dds/dds.h>
 
+#include <cstdint>
 #include <set>
 #include <string>
+#include <vector>
 
 /// Watches the authentication of other programs: wraps Cyclone's plugin, which reads the list of
-/// revoked keys only once and does not say whom it refuses. Private to core/bus.
+/// revoked keys only once and does not say whom it refuses, and that for encryption, to know whom
+/// it still hears (peer_leases.hpp). Private to core/bus.
 namespace atrium::bus {
 
-/// Loads Cyclone's plugin and ours (authentication_plugin.cpp) and returns the path of ours, for
-/// Cyclone's settings. Fails with kNotFound if one of both is not installed.
-Expected<std::string> install_authentication();
+/// Loads Cyclone's plugins and ours (security_plugin.cpp) and returns the path of ours, for
+/// Cyclone's settings. Fails with kNotFound if one of them is not installed.
+Expected<std::string> install_security();
 
 /// Cuts all programs of `world` whose key has one of these serial numbers (keys::Revocation) off
 /// from this process, and refuses them from now on. The lists of several calls add up.
 /// Thread-safe.
 void refuse_keys(const std::string& world, const std::set<std::string>& serials);
+
+/// Deletes what Cyclone knows of these participants: their next announcements begin anew. Those of
+/// this process stay. A participant of the caller's must hold the domain open. Not for threads of
+/// Cyclone.
+void forget_participants(std::uint32_t domain, const std::vector<dds_guid_t>& participants);
 
 /// The member whose key a program has proven: "viewer bob"; empty: none. Thread-safe.
 std::string proven_name(const dds_guid_t& participant);

@@ -1,4 +1,5 @@
 #include "core/bus/authentication_internal.hpp"
+#include "core/bus/cyclone_entities.h"
 #include "core/bus/dds_log.hpp"
 #include "core/keys/certificates.hpp"
 #include "core/keys/member.hpp"
@@ -6,6 +7,7 @@
 #include <dds/dds.h>
 #include <fmt/format.h>
 
+#include <cstring>
 #include <optional>
 #include <string_view>
 
@@ -79,7 +81,10 @@ Result validate_remote_identity(Plugin* plugin,
     }
     Process& all = process();
     const std::lock_guard lock(all.mutex);
-    all.instances.at(plugin).guids[*remote] = guid_text(guid->prefix);
+    Remote& added = all.instances.at(plugin).remotes[*remote];
+    static_assert(sizeof added.participant == sizeof *guid);
+    std::memcpy(&added.participant, guid, sizeof *guid);
+    added.text = guid_text(guid->prefix);
     return result;
 }
 
@@ -114,9 +119,9 @@ std::string claimed_name(const Plugin* plugin,
         return fmt::format("{} of world {}, by its own words", claim->name, claim->world);
     Process& all = process();
     const std::lock_guard lock(all.mutex);
-    const auto& guids = all.instances.at(plugin).guids;
-    const auto guid = guids.find(remote);
-    return guid == guids.end() ? "a program" : "program " + guid->second;
+    const auto& remotes = all.instances.at(plugin).remotes;
+    const auto found = remotes.find(remote);
+    return found == remotes.end() ? "a program" : "program " + found->second.text;
 }
 
 Identity remote_of(const Plugin* plugin, Handshake handshake) {
@@ -224,7 +229,7 @@ DDS_Security_boolean return_identity_handle(Plugin* plugin,
         if (peer != instance.peers.end() && Timestamp::now() >= peer->second.end)
             log_cut(peer->second.name, "its key has expired");
         instance.peers.erase(identity);
-        instance.guids.erase(identity);
+        instance.remotes.erase(identity);
     }
     return original_of(plugin).return_identity_handle(plugin, identity, exception);
 }
@@ -263,12 +268,14 @@ void log_cut(const std::string& who, const std::string& why) {
 
 int init(const char* argument, void** context, void* domain) {
     Process& all = process();
-    const int result = all.init(argument, context, domain);
+    const int result = all.init[0](argument, context, domain);
     if (result != 0 || *context == nullptr) return result;
     auto* plugin = static_cast<Plugin*>(*context);
     {
         const std::lock_guard lock(all.mutex);
-        all.instances[plugin].original = *plugin;
+        Instance& added = all.instances[plugin];
+        added.original = *plugin;
+        added.domain = atrium_domain_id(plugin->gv);
     }
     plugin->validate_remote_identity = validate_remote_identity;
     plugin->begin_handshake_request = begin_handshake_request;
@@ -290,7 +297,7 @@ int finalize(void* context) {
             all.instances.erase(found);
         }
     }
-    return all.finalize(context);
+    return all.finalize[0](context);
 }
 
 }  // namespace atrium::bus::authentication

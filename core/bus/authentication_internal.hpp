@@ -2,17 +2,22 @@
 
 #include "core/base/timestamp.hpp"
 
+#include <dds/dds.h>
 #include <dds/security/dds_security_api_authentication.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
 #include <mutex>
 #include <set>
+#include <shared_mutex>
 #include <string>
 
-/// What the wrapped functions of Cyclone's authentication share. Private to authentication*.cpp.
+/// What the wrapped functions of Cyclone's plugins share. Private to authentication*.cpp,
+/// crypto_calls.cpp and peer_leases.cpp.
 namespace atrium::bus::authentication {
 
 using Plugin = dds_security_authentication;
@@ -27,11 +32,17 @@ struct Peer {
     Timestamp end;       // of its validity
 };
 
+struct Remote {
+    dds_guid_t participant{};
+    std::string text;  // of its prefix, as Cyclone logs it
+};
+
 /// One loaded plugin: that of a domain.
 struct Instance {
     Plugin original{};  // Cyclone's functions
+    std::uint32_t domain = 0;
     const dds_security_authentication_listener* listener = nullptr;
-    std::map<Identity, std::string> guids;     // of remote identities, as Cyclone logs them
+    std::map<Identity, Remote> remotes;
     std::map<Handshake, Identity> handshakes;  // with remote identities
     std::map<Identity, Peer> peers;
 };
@@ -57,14 +68,70 @@ private:
     std::chrono::steady_clock::time_point counted_ = std::chrono::steady_clock::now();
 };
 
+/// When each peer with proven keys last sent something that its keys decrypt. Announcements are in
+/// the clear, so they say nothing of it. Thread-safe; `note` is called for each datagram.
+class HeardPeers {
+public:
+    using Clock = std::chrono::steady_clock;
+    using Crypto = std::int64_t;  // Cyclone's handle of a peer's keys
+
+    void add(Crypto peer, Identity identity) {
+        const std::lock_guard lock(mutex_);
+        Peer& added = peers_[peer];
+        added.identity = identity;
+        added.heard = Clock::now();
+    }
+    void note(Crypto peer) {
+        const std::shared_lock lock(mutex_);
+        const auto found = peers_.find(peer);
+        if (found == peers_.end()) return;
+        found->second.heard = Clock::now();
+        found->second.was_heard = true;
+    }
+    void remove(Crypto peer) {
+        const std::lock_guard lock(mutex_);
+        peers_.erase(peer);
+    }
+    /// Peers that are silent since `time`, and whether they were heard before. Of several keys of
+    /// one peer (for several participants of this process) one is enough.
+    std::map<Identity, bool> silent_since(Clock::time_point time) const {
+        const std::shared_lock lock(mutex_);
+        std::map<Identity, bool> silent;
+        std::set<Identity> heard;
+        for (const auto& [crypto, peer] : peers_) {
+            if (peer.heard.load() >= time)
+                heard.insert(peer.identity);
+            else
+                silent[peer.identity] |= peer.was_heard.load();
+        }
+        for (const Identity one : heard) silent.erase(one);
+        return silent;
+    }
+
+private:
+    struct Peer {
+        Identity identity = DDS_SECURITY_HANDLE_NIL;
+        std::atomic<Clock::time_point> heard;  // or the handshake, before the first time
+        std::atomic<bool> was_heard = false;
+    };
+    mutable std::shared_mutex mutex_;
+    std::map<Crypto, Peer> peers_;
+};
+
+/// A plugin is made and ended by two functions of its library.
+using Init = int (*)(const char* argument, void** context, void* domain);
+using Finalize = int (*)(void* context);
+
 struct Process {
-    int (*init)(const char*, void**, void*) = nullptr;  // of Cyclone's plugin
-    int (*finalize)(void*) = nullptr;
+    // of Cyclone's plugins for authentication and encryption
+    std::array<Init, 2> init{};
+    std::array<Finalize, 2> finalize{};
     std::string path;  // of ours; empty: not installed
     std::mutex mutex;  // guards all; never held during a call of Cyclone
     std::map<const Plugin*, Instance> instances;
     std::map<std::string, std::set<std::string>> refused;  // serial numbers by world
     HandshakeBudget budget;
+    HeardPeers heard;  // has a lock of its own
 };
 
 /// Never destroyed: threads of Cyclone may use it until the process ends.
@@ -75,8 +142,10 @@ std::string guid_text(const std::uint8_t* prefix);
 
 void log_cut(const std::string& who, const std::string& why);
 
-/// The functions of our plugin (authentication_plugin.cpp).
+/// The functions of our plugins (security_plugin.cpp).
 int init(const char* argument, void** context, void* domain);
 int finalize(void* context);
+int init_crypto(const char* argument, void** context, void* domain);
+int finalize_crypto(void* context);
 
 }  // namespace atrium::bus::authentication

@@ -1,7 +1,7 @@
 #include "core/bus/author_guard.hpp"
 
+#include "core/bus/cyclone_entities.h"
 #include "core/bus/dds_log.hpp"
-#include "core/bus/writer_partitions.h"
 
 #include <dds/ddsc/dds_rhc.h>
 #include <dds/ddsi/ddsi_serdata.h>

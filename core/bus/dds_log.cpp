@@ -90,7 +90,8 @@ void DdsLog::add(std::string_view line) {
           address.empty() ? fmt::format("dds message=\"{}\"{}", text, from)
                           : fmt::format("peer_unreachable address={} no route from this host, or "
                                         "its network refuses: check --peers, --interface, cable "
-                                        "and firewall (atrium doctor)",
+                                        "and firewall (atrium doctor), with --join the tunnel "
+                                        "(atrium tunnel status)",
                                         address));
 }
 

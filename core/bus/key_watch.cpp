@@ -2,6 +2,8 @@
 
 #include "core/bus/authentication.hpp"
 #include "core/bus/dds_log.hpp"
+#include "core/bus/participant.hpp"
+#include "core/bus/peer_leases.hpp"
 #include "core/keys/certificates.hpp"
 
 #include <fmt/format.h>
@@ -39,6 +41,7 @@ struct KeyWatch::Impl {
     std::optional<Reader<RevokedKeys>> reader;
     std::optional<Writer<RevokedKeys>> writer;  // of world servers
     std::optional<Waiter> waiter;
+    std::optional<PeerLeases> leases;
     bool has_expired = false;
     std::jthread thread;  // last: ends before the rest goes
 
@@ -55,6 +58,9 @@ Expected<void> KeyWatch::Impl::open(const Participant& participant) {
     if (!facts) return tl::unexpected(facts.error());
     own = *facts;
     file_time = time_of_file(file);
+    auto made_leases = PeerLeases::create(participant.impl()->participant.get());
+    if (!made_leases) return tl::unexpected(made_leases.error());
+    leases = std::move(*made_leases);
     auto made_reader = Reader<RevokedKeys>::create(participant);
     if (!made_reader) return tl::unexpected(made_reader.error());
     reader = std::move(*made_reader);
@@ -144,6 +150,7 @@ void KeyWatch::Impl::serve(std::stop_token stop) {
         });
         look_at_file();
         look_at_own_key();
+        leases->look();
     }
 }
 

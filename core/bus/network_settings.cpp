@@ -168,10 +168,10 @@ public:
 
     bool has_security() const { return domain_.child("Security") || domain_.child("DDSSecurity"); }
 
-    void set_security(const keys::Bundle& keys, const std::string& authentication) {
+    void set_security(const keys::Bundle& keys, const std::string& plugins) {
         pugi::xml_node security = domain_.append_child("Security");
         pugi::xml_node auth = security.append_child("Authentication");
-        add_library(auth, authentication, "init_authentication", "finalize_authentication");
+        add_library(auth, plugins, "init_authentication", "finalize_authentication");
         add_data(auth, "IdentityCA", keys.identity_ca);
         add_data(auth, "IdentityCertificate", keys.certificate);
         add_data(auth, "PrivateKey", keys.private_key);
@@ -182,7 +182,7 @@ public:
         add_data(access, "Governance", keys.governance);
         add_data(access, "Permissions", keys.permissions);
         pugi::xml_node crypto = security.append_child("Cryptographic");
-        add_library(crypto, "dds_security_crypto", "init_crypto", "finalize_crypto");
+        add_library(crypto, plugins, "init_crypto", "finalize_crypto");
         // What encryption adds must fit the largest datagram of UDP, also for many receivers.
         pugi::xml_node general = child(domain_, "General");
         limit(general, "MaxMessageSize", kMaxSecuredMessageBytes);
@@ -380,9 +380,9 @@ Expected<NetworkSettings> load_network_settings(const BusOptions& options) {
                 fmt::format("{}: has <Security>, and --security gives keys as well; take one of "
                             "both out",
                             settings.source));
-        const auto authentication = install_authentication();
-        if (!authentication) return tl::unexpected(authentication.error());
-        domain.set_security(*options.keys, *authentication);
+        const auto plugins = install_security();
+        if (!plugins) return tl::unexpected(plugins.error());
+        domain.set_security(*options.keys, *plugins);
     }
     settings.is_secured = options.keys != nullptr || domain.has_security();
     settings.xml = domain.text();

@@ -346,13 +346,18 @@ bool PeerWatch::State::is_overdue(const WatchedEndpoint& ours, dds_instance_hand
 void PeerWatch::State::look_for_strangers() {
     const auto now = std::chrono::steady_clock::now();
     std::map<std::string, Stranger> still_there;
+    std::size_t num_proven = 0;
+    std::size_t num_refused = 0;
     each(participants.get(),
          DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE,
          [&](const void* sample, dds_instance_handle_t /*handle*/) {
              const auto& found = *static_cast<const dds_builtintopic_participant_t*>(sample);
              const std::string guid = text_of(found.key);
              if (guid == own || still_there.size() >= kMaxRemembered) return;
-             if (!proven_name(found.key).empty()) return;
+             if (!proven_name(found.key).empty()) {
+                 ++num_proven;
+                 return;
+             }
              const auto known = strangers.find(guid);
              Stranger stranger = known == strangers.end() ? Stranger{now} : known->second;
              if (!stranger.is_reported && now - stranger.since >= kProofTimeout) {
@@ -364,8 +369,15 @@ void PeerWatch::State::look_for_strangers() {
                      property(found.qos, "__Pid"));
                  DdsLog::of_process().add(line, line);
              }
+             num_refused += stranger.is_reported ? 1 : 0;
              still_there.emplace(guid, stranger);
          });
+    // Nobody tells a program that its key is revoked: they do not talk to it.
+    if (num_proven == 0 && num_refused > 0)
+        DdsLog::of_process().add(
+            "key_accepted_by_none",
+            "key_accepted_by_none the programs here have no keys, or those of another world, or "
+            "this program's key is revoked: its owner runs `atrium keys list`");
     strangers = std::move(still_there);
 }
 

@@ -1,5 +1,7 @@
 #include "tests/integration/security/closed_world.hpp"
 
+#include "core/bus/entity.hpp"
+#include "core/bus/participant.hpp"
 #include "core/keys/private_file.hpp"
 #include "tests/integration/swaying_person.hpp"
 
@@ -98,8 +100,8 @@ std::unique_ptr<HostedProcess> ClosedWorld::start(const std::string& program,
                                                   const std::vector<std::string>& arguments) const {
     std::vector<std::string> command{std::string(ATRIUM_BIN_DIR) + "/" + program};
     command.insert(command.end(), arguments.begin(), arguments.end());
-    const bool is_ours = program == "site_node" || program == "world_server";
-    command.insert(command.end(), {is_ours ? "--bus.domain" : "--domain", std::to_string(domain_)});
+    const char* const domain = program.starts_with("security_") ? "--domain" : "--bus.domain";
+    command.insert(command.end(), {domain, std::to_string(domain_)});
     return value(HostedProcess::start(command));
 }
 
@@ -133,6 +135,24 @@ std::string ClosedWorld::take() {
     for (const std::string& line : monitor_->take_mismatches()) own_log_ += line + "\n";
     for (const std::string& line : monitor_->take_dds_log()) own_log_ += line + "\n";
     return wrong;
+}
+
+std::size_t ClosedWorld::num_participants() const {
+    const bus::Entity reader(dds_create_reader(
+        monitor_->impl()->participant.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr));
+    constexpr std::size_t kMax = 4096;
+    std::vector<void*> samples(kMax, nullptr);
+    std::vector<dds_sample_info_t> infos(kMax);
+    const int num =
+        dds_take_mask(reader.get(),
+                      samples.data(),
+                      infos.data(),
+                      kMax,
+                      kMax,
+                      DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE);
+    if (num < 0) throw std::runtime_error(dds_strretcode(num));
+    if (num > 0) dds_return_loan(reader.get(), samples.data(), num);
+    return static_cast<std::size_t>(num);
 }
 
 std::string ClosedWorld::logs() const {

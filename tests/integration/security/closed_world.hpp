@@ -59,6 +59,8 @@ public:
     std::size_t num_meshes() const { return num_meshes_; }
     /// What alice sent since the last call: coded meshes and pictures.
     std::vector<std::vector<std::uint8_t>> take_payloads() { return std::exchange(payloads_, {}); }
+    /// Participants that the monitor's DDS keeps, with keys or without.
+    std::size_t num_participants() const;
     /// Text of the logs of both honest programs and of the monitor.
     std::string logs() const;
     bool wait_until(const std::function<bool()>& condition,

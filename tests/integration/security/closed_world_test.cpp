@@ -73,6 +73,19 @@ TEST_F(ClosedWorldTest, RevokedKeyIsRefusedAndARunningProgramIsCutOff) {
     EXPECT_TRUE(log_has("refused peer=\"viewer eve\" reason=\"its key is revoked\""))
         << world().logs();
     end_deaf();
+    // in her own log: her bundle does not know that it is revoked
+    const auto watch = world().start("stream_watch", {"--security", bundle.string()});
+    EXPECT_TRUE(world().wait_until(
+        [&] {
+            const std::string output = watch->output();
+            return output.find("key_accepted_by_none") != std::string::npos ||
+                   output.find("refuses this program's key, which may be revoked") !=
+                       std::string::npos;
+        },
+        40s))
+        << watch->output();
+    watch->signal(SIGTERM);
+    EXPECT_TRUE(watch->wait(20s));
 }
 
 TEST_F(ClosedWorldTest, KeyThatExpiresWhileItsProgramRunsIsCutOff) {

@@ -80,6 +80,8 @@ int main(int argc, char** argv) {
             stream.last_frame = mesh.frame_id;
             stream.latencies_ms.push_back(ms(Timestamp::now() - mesh.capture_time));
         });
+        for (const std::string& line : participant->take_mismatches())
+            std::fprintf(stderr, "%s\n", line.c_str());
         for (const std::string& line : participant->take_dds_log())
             std::fprintf(stderr, "%s\n", line.c_str());
     }

@@ -1,4 +1,4 @@
-#include "core/bus/writer_partitions.h"
+#include "core/bus/cyclone_entities.h"
 
 #include <dds/dds.h>
 /* These need others before them. */
@@ -9,8 +9,13 @@
 #include <dds/ddsi/ddsi_endpoint.h>
 #include <dds/ddsi/ddsi_entity_index.h>
 #include <dds/ddsi/ddsi_proxy_endpoint.h>
+#include <dds/ddsi/ddsi_proxy_participant.h>
 #include <dds/ddsi/ddsi_sertype.h>
 #include <dds/ddsi/ddsi_xqos.h>
+#include <dds/ddsi/q_bswap.h>
+#include <dds/ddsi/q_thread.h>
+
+#include <string.h>
 
 int atrium_visit_writer_partitions(const struct ddsi_sertype* type,
                                    const struct ddsi_guid* writer,
@@ -32,4 +37,16 @@ int atrium_visit_writer_partitions(const struct ddsi_sertype* type,
     for (uint32_t i = 0; i < qos->partition.n; ++i)
         if (visit(argument, qos->partition.strs[i]) != 0) break;
     return 1;
+}
+
+uint32_t atrium_domain_id(const struct ddsi_domaingv* domain) { return domain->config.domainId; }
+
+void atrium_forget_participant(struct ddsi_domaingv* domain, const uint8_t* guid) {
+    ddsi_guid_t on_wire;
+    memcpy(&on_wire, guid, sizeof on_wire);
+    const ddsi_guid_t key = nn_ntoh_guid(on_wire);
+    struct thread_state* const thread = lookup_thread_state();
+    thread_state_awake(thread, domain);
+    ddsi_delete_proxy_participant_by_guid(domain, &key, ddsrt_time_wallclock(), 1);
+    thread_state_asleep(thread);
 }
