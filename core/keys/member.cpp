@@ -129,6 +129,8 @@ std::optional<Member> member_of_subject(std::string_view subject) {
 }
 
 std::string describe(const Member& member) {
+    // of that kind there is one, which has the world's name
+    if (member.kind == Kind::kWorld) return "world server of world " + member.world;
     return fmt::format("{} {} of world {}", kind_text(member.kind), member.name, member.world);
 }
 

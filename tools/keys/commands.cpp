@@ -244,6 +244,22 @@ Expected<Outcome> check(const Options& options, Timestamp now) {
                                    keys::describe(bundle->member),
                                    usable.error().message),
                        1};
+    // the list in a bundle may be older than that of the key store, if one is here
+    if (const auto folder = find_store(options.keys)) {
+        const auto store = KeyStore::open(*folder, KeyStore::Access::kRead);
+        if (!store && !options.keys.empty()) return tl::unexpected(store.error());
+        const auto own = store ? store->bundle(bundle->member.name) : Expected<keys::Bundle>();
+        if (store && own && own->identity_ca == bundle->identity_ca) {
+            const auto entry = store->entry_of(*bundle, now);
+            if (!entry) return tl::unexpected(entry.error());
+            if (entry->state == keys::State::kRevoked)
+                return Outcome{fmt::format("{}: {}: the key is revoked, says {}\n",
+                                           options.bundle.string(),
+                                           keys::describe(bundle->member),
+                                           folder->string()),
+                               1};
+        }
+    }
     return Outcome{
         fmt::format("{}: usable\nmember       {} {}\nworld        {}\nrights       {}\n"
                     "valid until  {} ({})\n",

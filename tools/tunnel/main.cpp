@@ -75,7 +75,7 @@ int run(int argc, char** argv) {
     };
     if (*show) {
         fmt::print(
-            "# wg-quick: address and MTU are lines of its own\n{}Address = {}/24\nMTU = "
+            "# for wg-quick: `wg` itself knows no Address and no MTU\n{}Address = {}/24\nMTU = "
             "{}\n{}",
             "[Interface]\n",
             tunnel.own().address,

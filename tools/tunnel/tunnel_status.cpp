@@ -11,28 +11,35 @@ namespace {
 
 // A line of `wg show CARD dump` for a peer.
 struct PeerState {
+    std::string allowed;           // addresses
     std::string endpoint;          // as this host sees it
     std::int64_t handshake_s = 0;  // since 1970; 0: never
     std::uint64_t received = 0;
     std::uint64_t sent = 0;
 };
 
-std::map<std::string, PeerState> states_of(const std::string& dump) {
-    std::map<std::string, PeerState> states;
+struct CardState {
+    std::string public_key;
+    std::map<std::string, PeerState> peers;  // by public key
+};
+
+CardState state_of(const std::string& dump) {
+    CardState card;
     std::istringstream lines(dump);
     std::string line;
-    std::getline(lines, line);  // of the card itself
+    std::getline(lines, line);
+    std::string private_key;
+    std::istringstream(line) >> private_key >> card.public_key;
     while (std::getline(lines, line)) {
         std::istringstream fields(line);
         std::string key;
         std::string shared;
-        std::string allowed;
         PeerState state;
-        if (fields >> key >> shared >> state.endpoint >> allowed >> state.handshake_s >>
+        if (fields >> key >> shared >> state.endpoint >> state.allowed >> state.handshake_s >>
             state.received >> state.sent)
-            states.emplace(key, state);
+            card.peers.emplace(key, state);
     }
-    return states;
+    return card;
 }
 
 std::string heard_text(const PeerState& state, Timestamp now) {
@@ -54,7 +61,15 @@ Expected<std::string> describe(const keys::Tunnel& tunnel,
             fmt::format("the tunnel {} is not up, or only root may look at it: run `sudo atrium "
                         "tunnel up FILE`",
                         card));
-    const auto states = states_of(dump->text);
+    auto [public_key, states] = state_of(dump->text);
+    if (public_key != tunnel.own().public_key)
+        return make_error(
+            ErrorKind::kUnavailable,
+            fmt::format("the tunnel {} is up with other keys than those of {} in this file: for "
+                        "another place, or from before `atrium keys renew`; run `sudo atrium "
+                        "tunnel down FILE` and `up FILE`",
+                        card,
+                        tunnel.name));
     std::string text = fmt::format("{}: {} of {}, hub {}\n{:<20}{:<16}{:<24}{:<14}{:>10}{:>10}\n",
                                    card,
                                    tunnel.own().address,
@@ -85,7 +100,13 @@ Expected<std::string> describe(const keys::Tunnel& tunnel,
                             heard_text(state, now),
                             state.received / 1000,
                             state.sent / 1000);
+        states.erase(found);
     }
+    for (const auto& [key, state] : states)
+        text += fmt::format("{:<20}{:<16}{}\n",
+                            "?",
+                            state.allowed.substr(0, state.allowed.find('/')),
+                            "not in this file (revoked, or renewed): run `atrium tunnel up`");
     return text;
 }
 

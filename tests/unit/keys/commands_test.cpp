@@ -58,7 +58,7 @@ TEST_F(Commands, SayWhatComesNext) {
                 AllOf(HasSubstr("viewer eve of world playroom with the rights grab+edit, valid "
                                 "until 2028-01-15"),
                       HasSubstr("atrium keys export eve -o eve.bundle --keys '")));
-    EXPECT_THAT(add_member("world", ""), HasSubstr("world playroom of world playroom, valid"));
+    EXPECT_THAT(add_member("world", ""), HasSubstr("world server of world playroom, valid"));
     EXPECT_THAT(add_member("monitor", "mona"), HasSubstr("with the rights none"));
 }
 
@@ -179,6 +179,26 @@ TEST_F(Commands, CheckTheWholeStore) {
     Options none;
     none.keys = folder_ / "none.keys";
     EXPECT_EQ(check(none, kNow).error().kind, ErrorKind::kNotFound);
+}
+
+TEST_F(Commands, CheckABundleAlsoAgainstTheListOfTheStore) {
+    Options options = named("bob");
+    options.output = folder_ / "bob.bundle";
+    value(export_bundle(options, kNow));
+    options.bundle = options.output;
+    EXPECT_EQ(value(check(options, kNow)).exit_code, 0);
+    value(revoke(named("bob"), kNow));
+    const Outcome outcome = value(check(options, kNow));
+    EXPECT_EQ(outcome.exit_code, 1) << "although the bundle has the old list";
+    EXPECT_THAT(outcome.text, HasSubstr("the key is revoked, says " + options_.keys.string()));
+    options.keys = folder_ / "none.keys";
+    EXPECT_EQ(check(options, kNow).error().kind, ErrorKind::kNotFound) << "it was named";
+    Options first = options;
+    first.keys = folder_ / "other.keys";
+    first.name = "playroom";
+    value(init(first, kNow));
+    options.keys = first.keys;
+    EXPECT_EQ(value(check(options, kNow)).exit_code, 0) << "of another store it knows nothing";
 }
 
 TEST(FindStore, TakesTheOnlyOne) {

@@ -67,7 +67,7 @@ protected:
 TEST_F(Invite, AddsTheMemberAndTheWorldServer) {
     const Options bob = inviting("viewer", "bob");
     EXPECT_THAT(said(bob),
-                AllOf(HasSubstr("added world playroom of world playroom, valid until 2028-01-15"),
+                AllOf(HasSubstr("added world server of world playroom, valid until 2028-01-15"),
                       HasSubstr("added viewer bob of world playroom with the rights push+grab")));
     EXPECT_THAT(members(), ElementsAre("viewer bob push+grab", "world playroom none"));
     struct stat info {};
@@ -129,7 +129,7 @@ TEST_F(Invite, NamesTheCommandsOfASpoke) {
 TEST_F(Invite, NamesTheCommandsOfTheHub) {
     const std::string text = said(inviting("world", ""));
     EXPECT_THAT(text,
-                AllOf(HasSubstr("added world playroom"),
+                AllOf(HasSubstr("added world server of world playroom"),
                       HasSubstr("On the host of the world server, studio.example.org"),
                       HasSubstr("UDP port 4711"),
                       HasSubstr("  sudo atrium tunnel up world.invitation\n"

@@ -58,7 +58,7 @@ TEST(Rights, AreParsedAsUsersWriteThem) {
 
 TEST(Member, HasASubjectAsCycloneComparesIt) {
     EXPECT_EQ(subject_of({"playroom", Kind::kSite, "alice", {}}), "CN=alice,OU=site,O=playroom");
-    EXPECT_EQ(describe({"playroom", Kind::kWorld, "hall", {}}), "world hall of world playroom");
+    EXPECT_EQ(describe({"playroom", Kind::kWorld, "hall", {}}), "world server of world playroom");
 }
 
 TEST(Member, RefusesNamesThatLeaveAFolderOrAPartition) {

@@ -27,7 +27,7 @@ protected:
         host_.answer(
             "wg show",
             0,
-            kPrivateKey + "\tAQAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=\t4711\toff\n" + peers);
+            kPrivateKey + "\t" + tunnel_of(name).own().public_key + "\t4711\toff\n" + peers);
         const auto text = describe(tunnel_of(name), kCard, kNow, host_.run());
         if (!text) return {text.error().message};
         EXPECT_THAT(*text, Not(HasSubstr(kPrivateKey)));
@@ -75,6 +75,27 @@ TEST_F(TunnelStatus, NamesThePlacesThatTheHubDoesNotKnowYet) {
     EXPECT_THAT(rows("hall", "damaged line\n"),
                 ElementsAre("bob 10.200.7.2 not configured: run `atrium tunnel up`",
                             "alice 10.200.7.3 not configured: run `atrium tunnel up`"));
+}
+
+TEST_F(TunnelStatus, NamesThosePeersThatAreNotInTheFileAnyMore) {
+    EXPECT_THAT(rows("bob",
+                     "AQAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=\t(none)\t198.51.100.1:4711\t"
+                     "10.200.7.0/24\t1800000003\t1000\t2000\t25\n"
+                     "BQAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=\t(none)\t203.0.113.9:40001\t"
+                     "10.200.7.9/32\t1799999990\t123456\t7890123\toff\n"),
+                ElementsAre("hall 10.200.7.1 198.51.100.1:4711 0 s ago 1 2",
+                            "alice 10.200.7.3 through the hub",
+                            "? 10.200.7.9 not in this file (revoked, or renewed): run `atrium "
+                            "tunnel up`"));
+}
+
+TEST_F(TunnelStatus, RefusesACardWithTheKeysOfAnotherPlace) {
+    host_.answer(
+        "wg show", 0, kPrivateKey + "\t" + tunnel_of("alice").own().public_key + "\t1\toff\n");
+    const auto text = describe(tunnel_of("bob"), kCard, kNow, host_.run());
+    ASSERT_FALSE(text);
+    EXPECT_EQ(text.error().kind, ErrorKind::kUnavailable);
+    EXPECT_THAT(text.error().message, HasSubstr("other keys than those of bob"));
 }
 
 TEST_F(TunnelStatus, SaysHowToBringATunnelUpThatIsNot) {
