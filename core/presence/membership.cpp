@@ -189,7 +189,8 @@ void Membership::Impl::say_if_alone() {
     const bool has_neighbours = place.find("other_worlds=") != std::string::npos;
     const std::string line = fmt::format(
         "alone {} no other program of this world yet; world, domain and network must be the same "
-        "in all programs; atrium doctor checks this host's network",
+        "in all programs, and all need keys of this world, or none; atrium doctor checks this "
+        "host's network",
         place);
     has_neighbours ? events.warn(line) : events.info(line);
 }

@@ -85,10 +85,12 @@ Start parse_command_line(int argc, char** argv, Options& options) {
         ->type_name("FOLDER")
         ->check(CLI::ExistingDirectory);
     app.add_option(
-           "--keys",
+           "--keys,--security",
            options.keys,
-           fmt::format("folder of certificates and private keys; else {} if it is there", kKeys))
-        ->type_name("FOLDER");
+           fmt::format("bundle or invitation of `atrium keys`, or a folder of certificates and "
+                       "private keys; else {} if it is there",
+                       kKeys))
+        ->type_name("PATH");
     app.add_option(
            "--programs", options.programs, "folder of Atrium's programs; else that of this program")
         ->type_name("FOLDER")

@@ -34,8 +34,8 @@ public:
         is_known_ = true;
         app::log::warn(
             "nobody_there {} no world server and no site yet; world, domain and network must be "
-            "the "
-            "same in all programs; `viewer` without a world lists those that it hears",
+            "the same in all programs, and all need keys of this world, or none; `viewer` without "
+            "a world lists those that it hears",
             place);
         return true;
     }

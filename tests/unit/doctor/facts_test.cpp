@@ -225,6 +225,18 @@ TEST(Keys, AreThereThoughUnreadable) {
     fs::permissions(folder, fs::perms::owner_all);
 }
 
+TEST(Keys, AreThoseOfOneFileWhateverItsName) {
+    const FakeHost host(facts_folder("one_file"));
+    const fs::path file = host.write_beside("keys/alice", "-----BEGIN CERTIFICATE-----\n");
+    host.write_beside("keys/other.pem", "-----BEGIN CERTIFICATE-----\n");
+    const KeyFacts keys = collect_keys(host, file);
+    EXPECT_TRUE(keys.is_there);
+    EXPECT_TRUE(keys.is_readable);
+    ASSERT_EQ(keys.certificates.size(), 1u);
+    EXPECT_EQ(keys.certificates.front().file, file);
+    EXPECT_FALSE(collect_keys(host, file.parent_path() / "none").is_there);
+}
+
 TEST(CameraTable, IsReadAsItIsPrinted) {
     const std::vector<capture::FoundCamera> printed{
         {"Allied Vision  GmbH", "Mako G-319", "23456701", "192.168.1.15", "GigEVision"},

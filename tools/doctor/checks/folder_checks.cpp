@@ -155,7 +155,14 @@ Findings check_keys(const Facts& facts) {
     Findings findings;
     if (!facts.keys) return findings;
     const KeyFacts& keys = *facts.keys;
-    if (!keys.is_there) {
+    if (!keys.is_there && keys.folder.has_extension()) {
+        findings.push_back(make_finding(
+            "keys_missing",
+            fmt::format("The file of keys {} is not there: on the computer of the world's owner "
+                        "export it, and bring it here.",
+                        keys.folder.string()),
+            fmt::format("atrium keys export NAME -o {}", shell_word(keys.folder.string()))));
+    } else if (!keys.is_there) {
         findings.push_back(
             make_finding("keys_missing",
                          fmt::format("The folder of keys {} is not there.", keys.folder.string()),

@@ -70,6 +70,18 @@ std::optional<Certificate> examine_bundle(const std::filesystem::path& file,
     return certificate;
 }
 
+// In a folder; or one file, whatever its name.
+std::vector<std::filesystem::path> files_with_keys(const System& files,
+                                                   const std::filesystem::path& where) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(where, error)) return {where};
+    std::vector<std::filesystem::path> found;
+    for (const std::string& name : files.names_in(std::filesystem::absolute(where).string())) {
+        if (has_suffix(name) && found.size() < kMaxFiles) found.push_back(where / name);
+    }
+    return found;
+}
+
 }  // namespace
 
 FolderFacts collect_folder(const System& system,
@@ -88,19 +100,18 @@ FolderFacts collect_folder(const System& system,
     return facts;
 }
 
-KeyFacts collect_keys(const System& system, const std::filesystem::path& folder) {
+KeyFacts collect_keys(const System& system, const std::filesystem::path& where) {
     KeyFacts keys;
-    keys.folder = folder;
+    keys.folder = where;
     std::error_code error;
-    keys.is_there =
-        std::filesystem::is_directory(folder, error) || error == std::errc::permission_denied;
+    const bool is_file = std::filesystem::is_regular_file(where, error);
+    keys.is_there = is_file || std::filesystem::is_directory(where, error) ||
+                    error == std::errc::permission_denied;
     keys.is_readable =
-        !keys.is_there || faccessat(AT_FDCWD, folder.c_str(), R_OK | X_OK, AT_EACCESS) == 0;
+        !keys.is_there ||
+        faccessat(AT_FDCWD, where.c_str(), is_file ? R_OK : R_OK | X_OK, AT_EACCESS) == 0;
     const System files("/");
-    std::size_t num_files = 0;
-    for (const std::string& name : files.names_in(std::filesystem::absolute(folder).string())) {
-        if (!has_suffix(name) || ++num_files > kMaxFiles) continue;
-        const std::filesystem::path file = folder / name;
+    for (const std::filesystem::path& file : files_with_keys(files, where)) {
         const std::string path = std::filesystem::absolute(file).string();
         const auto status = files.status_of(path);
         if (!status || !S_ISREG(status->st_mode)) continue;
