@@ -60,7 +60,8 @@ std::string RunLimit::cure(const std::string& place, const std::vector<std::stri
     }
     return fmt::format(
         "; this viewer is in {}: look whether the sites run, what they report, and "
-        "whether they are in the same world, domain and network",
+        "whether they are in the same world, domain and network, and have keys of the same "
+        "world, or none",
         place);
 }
 

@@ -6,6 +6,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <type_traits>
@@ -137,6 +138,24 @@ void forget_participants(std::uint32_t domain, const std::vector<dds_guid_t>& pa
     if (inside == nullptr) return;
     for (const dds_guid_t& participant : participants)
         atrium_forget_participant(inside, participant.v);
+}
+
+Standing standing_of(const dds_guid_t& participant) {
+    const std::string text = guid_text(participant.v);
+    Process& all = process();
+    const std::lock_guard lock(all.mutex);
+    Standing best = Standing::kNoKeys;
+    for (const auto& [plugin, instance] : all.instances) {
+        const auto alike = instance.by_text.equal_range(text);
+        for (auto one = alike.first; one != alike.second; ++one) {
+            const bool is_refused = instance.remotes.at(one->second).is_refused;
+            best = std::max(best,
+                            instance.peers.contains(one->second) ? Standing::kProven
+                            : is_refused                         ? Standing::kRefused
+                                                                 : Standing::kWaits);
+        }
+    }
+    return best;
 }
 
 std::string proven_name(const dds_guid_t& participant) {

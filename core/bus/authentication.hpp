@@ -28,6 +28,16 @@ void refuse_keys(const std::string& world, const std::set<std::string>& serials)
 /// Cyclone.
 void forget_participants(std::uint32_t domain, const std::vector<dds_guid_t>& participants);
 
+/// What is known of a participant of another process.
+enum class Standing : std::uint8_t {
+    kNoKeys,   // it offers none
+    kWaits,    // it offers some, and the handshake has not ended
+    kRefused,  // this process refused them, and logged why
+    kProven,
+};
+/// Thread-safe.
+Standing standing_of(const dds_guid_t& participant);
+
 /// The member whose key a program has proven: "viewer bob"; empty: none. Thread-safe.
 std::string proven_name(const dds_guid_t& participant);
 /// The same for the first program whose GUID is in a line that Cyclone logs. Thread-safe.

@@ -58,6 +58,20 @@ void log_refusal(const std::string& who, const std::string& why) {
                              fmt::format("refused peer=\"{}\" reason=\"{}\"", who, line));
 }
 
+// Notes that the keys of a program are refused, and logs it.
+void refuse(const Plugin* plugin, Identity remote, const std::string& who, const std::string& why) {
+    // a message of a handshake that has begun anew meanwhile: that one will end, or say why
+    if (why.find("does not match future_challenge") != std::string::npos) return;
+    {
+        Process& all = process();
+        const std::lock_guard lock(all.mutex);
+        auto& remotes = all.instances.at(plugin).remotes;
+        if (const auto found = remotes.find(remote); found != remotes.end())
+            found->second.is_refused = true;
+    }
+    log_refusal(who, why);
+}
+
 const Plugin& original_of(const Plugin* plugin) {
     Process& all = process();
     const std::lock_guard lock(all.mutex);
@@ -81,10 +95,12 @@ Result validate_remote_identity(Plugin* plugin,
     }
     Process& all = process();
     const std::lock_guard lock(all.mutex);
-    Remote& added = all.instances.at(plugin).remotes[*remote];
+    Instance& instance = all.instances.at(plugin);
+    Remote& added = instance.remotes[*remote];
     static_assert(sizeof added.participant == sizeof *guid);
     std::memcpy(&added.participant, guid, sizeof *guid);
     added.text = guid_text(guid->prefix);
+    instance.by_text.emplace(added.text, *remote);
     return result;
 }
 
@@ -149,7 +165,7 @@ Result begin_handshake_reply(Plugin* plugin,
     const Result result = original_of(plugin).begin_handshake_reply(
         plugin, handshake, reply, request, remote, local, participant, exception);
     if (result == DDS_SECURITY_VALIDATION_FAILED) {
-        log_refusal(claimed_name(plugin, remote, *request), reason_of(exception));
+        refuse(plugin, remote, claimed_name(plugin, remote, *request), reason_of(exception));
         return result;
     }
     Process& all = process();
@@ -169,8 +185,7 @@ std::optional<Peer> authenticated_peer(Plugin* plugin, Handshake handshake) {
     return peer;
 }
 
-Result refuse(const std::string& who, const std::string& why, Exception* exception) {
-    log_refusal(who, why);
+Result failure(const std::string& why, Exception* exception) {
     exception->message = dds_string_dup(why.c_str());
     exception->code = 1;
     exception->minor_code = 0;
@@ -186,14 +201,15 @@ Result process_handshake(Plugin* plugin,
     const Result result =
         original_of(plugin).process_handshake(plugin, reply, message, handshake, exception);
     if (result == DDS_SECURITY_VALIDATION_FAILED)
-        log_refusal(claimed_name(plugin, remote, *message), reason_of(exception));
+        refuse(plugin, remote, claimed_name(plugin, remote, *message), reason_of(exception));
     if (result != DDS_SECURITY_VALIDATION_OK && result != DDS_SECURITY_VALIDATION_OK_FINAL_MESSAGE)
         return result;
     auto peer = authenticated_peer(plugin, handshake);
-    if (!peer)
-        return refuse(claimed_name(plugin, remote, *message),
-                      "its certificate names no member of a world of Atrium",
-                      exception);
+    if (!peer) {
+        const std::string why = "its certificate names no member of a world of Atrium";
+        refuse(plugin, remote, claimed_name(plugin, remote, *message), why);
+        return failure(why, exception);
+    }
     Process& all = process();
     bool is_refused = false;
     {
@@ -203,7 +219,10 @@ Result process_handshake(Plugin* plugin,
         if (!is_refused && remote != DDS_SECURITY_HANDLE_NIL)
             instance.peers.insert_or_assign(remote, *peer);
     }
-    return is_refused ? refuse(peer->name, "its key is revoked", exception) : result;
+    if (!is_refused) return result;
+    const std::string why = "its key is revoked";
+    refuse(plugin, remote, peer->name, why);
+    return failure(why, exception);
 }
 
 DDS_Security_boolean return_handshake_handle(Plugin* plugin,
@@ -229,7 +248,7 @@ DDS_Security_boolean return_identity_handle(Plugin* plugin,
         if (peer != instance.peers.end() && Timestamp::now() >= peer->second.end)
             log_cut(peer->second.name, "its key has expired");
         instance.peers.erase(identity);
-        instance.remotes.erase(identity);
+        instance.forget(identity);
     }
     return original_of(plugin).return_identity_handle(plugin, identity, exception);
 }

@@ -10,11 +10,13 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <set>
 #include <shared_mutex>
 #include <string>
+#include <unordered_map>
 
 /// What the wrapped functions of Cyclone's plugins share. Private to authentication*.cpp,
 /// crypto_calls.cpp and peer_leases.cpp.
@@ -35,6 +37,7 @@ struct Peer {
 struct Remote {
     dds_guid_t participant{};
     std::string text;  // of its prefix, as Cyclone logs it
+    bool is_refused = false;
 };
 
 /// One loaded plugin: that of a domain.
@@ -43,8 +46,18 @@ struct Instance {
     std::uint32_t domain = 0;
     const dds_security_authentication_listener* listener = nullptr;
     std::map<Identity, Remote> remotes;
-    std::map<Handshake, Identity> handshakes;  // with remote identities
+    std::unordered_multimap<std::string, Identity> by_text;  // of `remotes`: there may be many
+    std::map<Handshake, Identity> handshakes;                // with remote identities
     std::map<Identity, Peer> peers;
+
+    void forget(Identity remote) {
+        const auto found = remotes.find(remote);
+        if (found == remotes.end()) return;
+        const auto alike = by_text.equal_range(found->second.text);
+        for (auto one = alike.first; one != alike.second;)
+            one = one->second == remote ? by_text.erase(one) : std::next(one);
+        remotes.erase(found);
+    }
 };
 
 /// Limits the handshakes, each of which costs signatures, to a share of a core: strangers can ask

@@ -153,18 +153,21 @@ Expected<Participant> Participant::create(const BusOptions& given) {
     if (!subscriber) return tl::unexpected(subscriber.error());
     auto peers = PeerWatch::create(participant->get(), options.world, options.keys != nullptr);
     if (!peers) return tl::unexpected(peers.error());
-    Participant made(std::shared_ptr<Impl>(new Impl{
-        std::move(*domain),
-        std::move(*profiles),
-        report_network(*network),
-        options.world,
-        fmt::format(
-            "world={} domain={} network={}", options.world, options.domain, options.network),
-        std::move(*participant),
-        std::move(*publisher),
-        std::move(*subscriber),
-        std::move(*peers),
-        options.keys}));
+    Participant made(std::shared_ptr<Impl>(
+        new Impl{std::move(*domain),
+                 std::move(*profiles),
+                 report_network(*network),
+                 options.world,
+                 fmt::format("world={} domain={} network={}{}",
+                             options.world,
+                             options.domain,
+                             options.network,
+                             options.join.empty() ? "" : " tunnel=\"atrium tunnel status\""),
+                 std::move(*participant),
+                 std::move(*publisher),
+                 std::move(*subscriber),
+                 std::move(*peers),
+                 options.keys}));
     if (options.keys) {
         auto watch = KeyWatch::start(made, options.security, options.keys);
         if (!watch) return tl::unexpected(watch.error());

@@ -1,8 +1,9 @@
 #include "core/bus/peer_watch.hpp"
 
 #include "core/bus/authentication.hpp"
-#include "core/bus/dds_log.hpp"
+#include "core/bus/builtin_topics.hpp"
 #include "core/bus/names.hpp"
+#include "core/bus/stranger_watch.hpp"
 
 #include <fnmatch.h>
 
@@ -18,10 +19,8 @@ namespace atrium::bus {
 
 namespace {
 
-constexpr int kMaxRead = 4096;  // endpoints read at once
 // Cyclone matches two endpoints shortly after it announces them.
 constexpr std::chrono::seconds kMatchTimeout{2};
-constexpr std::chrono::seconds kProofTimeout{3};  // for the handshake of keys
 // Limits on data from untrusted senders.
 constexpr std::size_t kMaxRemembered = 4096;
 constexpr std::size_t kMaxLinesPerCall = 8;
@@ -72,29 +71,6 @@ bool is_matched(const WatchedEndpoint& ours, dds_instance_handle_t theirs) {
     return std::find(matched.begin(), end, theirs) != end;
 }
 
-/// Returns a property from an untrusted sender for the log: at most 64 printable characters.
-std::string property(const dds_qos_t* qos, const char* key) {
-    char* value = nullptr;
-    if (!dds_qget_prop(qos, key, &value) || value == nullptr) return {};
-    std::string text = std::string(value).substr(0, 64);
-    dds_free(value);
-    for (char& c : text) c = std::isprint(static_cast<unsigned char>(c)) != 0 && c != '"' ? c : '?';
-    return text;
-}
-
-/// Calls `visit` with each valid sample of a built-in topic's reader. Reads, does not take.
-template <typename Visit>
-void each(dds_entity_t reader, std::uint32_t which, Visit&& visit) {
-    std::vector<void*> samples(static_cast<std::size_t>(kMaxRead), nullptr);
-    std::vector<dds_sample_info_t> infos(static_cast<std::size_t>(kMaxRead));
-    const int num = dds_read_mask(reader, samples.data(), infos.data(), kMaxRead, kMaxRead, which);
-    for (int i = 0; i < num; ++i) {
-        const auto index = static_cast<std::size_t>(i);
-        if (infos[index].valid_data) visit(samples[index], infos[index].instance_handle);
-    }
-    if (num > 0) dds_return_loan(reader, samples.data(), num);
-}
-
 /// Takes what is no longer there from a built-in topic's reader, which else keeps it for ever.
 void forget_dead(dds_entity_t reader) {
     std::vector<void*> samples(static_cast<std::size_t>(kMaxRead), nullptr);
@@ -104,13 +80,6 @@ void forget_dead(dds_entity_t reader) {
                                     DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE;
     const int num = dds_take_mask(reader, samples.data(), infos.data(), kMaxRead, kMaxRead, kDead);
     if (num > 0) dds_return_loan(reader, samples.data(), num);
-}
-
-/// The participant's part of a GUID in hexadecimal.
-std::string text_of(const dds_guid_t& guid) {
-    std::string text;
-    for (std::size_t i = 0; i < 12; ++i) text += fmt::format("{:02x}", guid.v[i]);
-    return text;
 }
 
 }  // namespace
@@ -165,12 +134,7 @@ struct PeerWatch::State {
     std::map<std::pair<dds_entity_t, dds_instance_handle_t>, std::chrono::steady_clock::time_point>
         waiting;              // compatible pairs that are not matched yet, and since when
     bool look_again = false;  // compare all endpoints again, because of `waiting`
-    std::string own;          // participant
-    struct Stranger {
-        std::chrono::steady_clock::time_point since;
-        bool is_reported = false;
-    };
-    std::map<std::string, Stranger> strangers;  // participants that have proven no key
+    StrangerWatch strangers;
 
     void look(const Entity& builtin, bool theirs_write, std::vector<std::string>& lines);
     void compare(const dds_builtintopic_endpoint_t& theirs,
@@ -180,7 +144,6 @@ struct PeerWatch::State {
     void remember_other_worlds(const std::vector<std::string>& worlds, const Witness& witness);
     void forget_gone_worlds();
     bool is_overdue(const WatchedEndpoint& ours, dds_instance_handle_t theirs);
-    void look_for_strangers();
     std::string name_of(const dds_guid_t& participant);
 };
 
@@ -203,9 +166,7 @@ Expected<PeerWatch> PeerWatch::create(dds_entity_t participant,
     watch.state_ = std::make_shared<State>();
     watch.state_->world = world;
     watch.state_->has_keys = has_keys;
-    dds_guid_t guid{};
-    dds_get_guid(participant, &guid);
-    watch.state_->own = text_of(guid);
+    watch.state_->strangers = StrangerWatch(participant, has_keys);
     auto publications =
         own(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
             "a reader of DCPSPublication");
@@ -242,7 +203,8 @@ std::vector<std::string> PeerWatch::take_mismatches() {
     state_->look(state_->publications, true, lines);
     state_->look(state_->subscriptions, false, lines);
     state_->endpoints_changed = false;
-    if (state_->has_keys) state_->look_for_strangers();
+    state_->strangers.look(
+        state_->participants.get(), state_->publications.get(), state_->subscriptions.get());
     for (const Entity* builtin :
          {&state_->publications, &state_->subscriptions, &state_->participants})
         forget_dead(builtin->get());
@@ -264,7 +226,7 @@ void PeerWatch::State::look(const Entity& builtin,
     const std::uint32_t which =
         (endpoints_changed ? DDS_ANY_SAMPLE_STATE : DDS_NOT_READ_SAMPLE_STATE) |
         DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE;
-    each(builtin.get(), which, [&](const void* sample, dds_instance_handle_t handle) {
+    read_each(builtin.get(), which, [&](const void* sample, dds_instance_handle_t handle) {
         compare(
             *static_cast<const dds_builtintopic_endpoint_t*>(sample), handle, theirs_write, lines);
     });
@@ -290,6 +252,8 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
             why = fmt::format("uses another type, {}; another version of Atrium, or not Atrium",
                               theirs.type_name);
         } else if (policy.empty()) {
+            // whom the keys refuse is said elsewhere (stranger_watch.hpp)
+            if (has_keys && proven_name(theirs.participant_key).empty()) continue;
             if (!is_overdue(ours, handle)) continue;
             why = has_keys
                       ? "its keys do not allow it this topic, or it is another version of Atrium"
@@ -301,7 +265,7 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
                 "the same bus.profiles_file",
                 policy);
         }
-        const std::string key = text_of(theirs.participant_key) + ours.topic_name + why;
+        const std::string key = prefix_text(theirs.participant_key) + ours.topic_name + why;
         if (reported.size() >= kMaxRemembered || lines.size() >= kMaxLinesPerCall) return;
         if (!reported.insert(key).second) continue;
         lines.push_back(fmt::format("not_heard peer=\"{}\" topic={} reason=\"{}\"",
@@ -342,56 +306,16 @@ bool PeerWatch::State::is_overdue(const WatchedEndpoint& ours, dds_instance_hand
     return true;
 }
 
-// Cyclone refuses a program without keys silently.
-void PeerWatch::State::look_for_strangers() {
-    const auto now = std::chrono::steady_clock::now();
-    std::map<std::string, Stranger> still_there;
-    std::size_t num_proven = 0;
-    std::size_t num_refused = 0;
-    each(participants.get(),
-         DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE,
-         [&](const void* sample, dds_instance_handle_t /*handle*/) {
-             const auto& found = *static_cast<const dds_builtintopic_participant_t*>(sample);
-             const std::string guid = text_of(found.key);
-             if (guid == own || still_there.size() >= kMaxRemembered) return;
-             if (!proven_name(found.key).empty()) {
-                 ++num_proven;
-                 return;
-             }
-             const auto known = strangers.find(guid);
-             Stranger stranger = known == strangers.end() ? Stranger{now} : known->second;
-             if (!stranger.is_reported && now - stranger.since >= kProofTimeout) {
-                 stranger.is_reported = true;
-                 const std::string line = fmt::format(
-                     "refused peer=\"{} pid {}\" reason=\"without keys, with those of "
-                     "another world, or with a revoked one\"",
-                     property(found.qos, "__Hostname"),
-                     property(found.qos, "__Pid"));
-                 DdsLog::of_process().add(line, line);
-             }
-             num_refused += stranger.is_reported ? 1 : 0;
-             still_there.emplace(guid, stranger);
-         });
-    // Nobody tells a program that its key is revoked: they do not talk to it.
-    if (num_proven == 0 && num_refused > 0)
-        DdsLog::of_process().add(
-            "key_accepted_by_none",
-            "key_accepted_by_none the programs here have no keys, or those of another world, or "
-            "this program's key is revoked: its owner runs `atrium keys list`");
-    strangers = std::move(still_there);
-}
-
 std::string PeerWatch::State::name_of(const dds_guid_t& participant) {
-    std::string name = text_of(participant);
-    each(participants.get(),
-         DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ANY_INSTANCE_STATE,
-         [&](const void* sample, dds_instance_handle_t /*handle*/) {
-             const auto& found = *static_cast<const dds_builtintopic_participant_t*>(sample);
-             if (std::memcmp(found.key.v, participant.v, sizeof participant.v) != 0) return;
-             const std::string host = property(found.qos, "__Hostname");
-             const std::string pid = property(found.qos, "__Pid");
-             if (!host.empty()) name = fmt::format("{} pid {}", host, pid);
-         });
+    std::string name = prefix_text(participant);
+    read_each(participants.get(),
+              DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ANY_INSTANCE_STATE,
+              [&](const void* sample, dds_instance_handle_t /*handle*/) {
+                  const auto& found = *static_cast<const dds_builtintopic_participant_t*>(sample);
+                  if (std::memcmp(found.key.v, participant.v, sizeof participant.v) != 0) return;
+                  if (std::string process = process_of(found); !process.empty())
+                      name = std::move(process);
+              });
     const std::string member = has_keys ? proven_name(participant) : std::string();
     if (!member.empty()) name = fmt::format("{} on {}", member, name);
     return name;

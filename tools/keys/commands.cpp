@@ -22,8 +22,13 @@ tl::unexpected<Error> missing(const std::string& what) {
     return make_error(ErrorKind::kConfiguration, what);
 }
 
-std::string export_command(const Options& options, const std::string& name, const char* more = "") {
-    return command(options, fmt::format("export {} -o {}.bundle{}", name, name, more));
+// With a place in the tunnel, the file is an invitation.
+std::string export_command(const Options& options,
+                           const std::string& name,
+                           const char* more = "",
+                           bool has_tunnel = false) {
+    const char* const kind = has_tunnel ? "invitation" : "bundle";
+    return command(options, fmt::format("export {} -o {}.{}{}", name, name, kind, more));
 }
 
 Expected<std::optional<Rights>> rights_of(const Options& options) {
@@ -193,9 +198,12 @@ Expected<Outcome> renew(const Options& options, Timestamp now) {
     const auto entry =
         store->renew(options.name, *rights, options.days.value_or(keys::kMemberDays), now);
     if (!entry) return tl::unexpected(entry.error());
+    const auto bundle = store->bundle(options.name);
+    if (!bundle) return tl::unexpected(bundle.error());
+    const bool has_tunnel = bundle->tunnel.has_value();
     return Outcome{fmt::format("renewed {}\nnext: {}\n{}",
                                described(*entry),
-                               export_command(options, options.name, " --replace"),
+                               export_command(options, options.name, " --replace", has_tunnel),
                                spread_list(options, *store, now))};
 }
 
@@ -215,10 +223,11 @@ Expected<Outcome> export_bundle(const Options& options, Timestamp now) {
         !written)
         return tl::unexpected(written.error());
     return Outcome{
-        fmt::format("wrote {}: the keys of {}\n"
+        fmt::format("wrote {}: the keys{} of {}\n"
                     "It is secret: bring it only to the host of {}, for example with "
                     "scp -p, and delete it here.\n",
                     options.output.string(),
+                    bundle->tunnel ? " and the tunnel" : "",
                     keys::describe(bundle->member),
                     options.name)};
 }
@@ -245,6 +254,7 @@ Expected<Outcome> check(const Options& options, Timestamp now) {
                                    usable.error().message),
                        1};
     // the list in a bundle may be older than that of the key store, if one is here
+    std::string list = "its own list only; where the key store is, the newest";
     if (const auto folder = find_store(options.keys)) {
         const auto store = KeyStore::open(*folder, KeyStore::Access::kRead);
         if (!store && !options.keys.empty()) return tl::unexpected(store.error());
@@ -258,18 +268,20 @@ Expected<Outcome> check(const Options& options, Timestamp now) {
                                            keys::describe(bundle->member),
                                            folder->string()),
                                1};
+            list = "no, says " + folder->string();
         }
     }
     return Outcome{
         fmt::format("{}: usable\nmember       {} {}\nworld        {}\nrights       {}\n"
-                    "valid until  {} ({})\n",
+                    "valid until  {} ({})\nrevoked      {}\n",
                     options.bundle.string(),
                     keys::kind_text(bundle->member.kind),
                     bundle->member.name,
                     bundle->member.world,
                     shown_rights(bundle->member),
                     keys::time_text(usable->end),
-                    days_left(usable->end, now))};
+                    days_left(usable->end, now),
+                    list)};
 }
 
 }  // namespace atrium::keys_tool

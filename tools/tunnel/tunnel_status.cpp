@@ -67,7 +67,7 @@ Expected<std::string> describe(const keys::Tunnel& tunnel,
             ErrorKind::kUnavailable,
             fmt::format("the tunnel {} is up with other keys than those of {} in this file: for "
                         "another place, or from before `atrium keys renew`; run `sudo atrium "
-                        "tunnel down FILE` and `up FILE`",
+                        "tunnel up FILE`",
                         card,
                         tunnel.name));
     std::string text = fmt::format("{}: {} of {}, hub {}\n{:<20}{:<16}{:<24}{:<14}{:>10}{:>10}\n",

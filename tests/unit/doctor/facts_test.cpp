@@ -235,6 +235,9 @@ TEST(Keys, AreThoseOfOneFileWhateverItsName) {
     ASSERT_EQ(keys.certificates.size(), 1u);
     EXPECT_EQ(keys.certificates.front().file, file);
     EXPECT_FALSE(collect_keys(host, file.parent_path() / "none").is_there);
+    const KeyFacts damaged = collect_keys(host, host.write_beside("keys/damaged", "format = 1\n"));
+    ASSERT_EQ(damaged.certificates.size(), 1u);
+    EXPECT_NE(damaged.certificates.front().problem, "");
 }
 
 TEST(CameraTable, IsReadAsItIsPrinted) {

@@ -143,7 +143,9 @@ void check_certificate(const Certificate& certificate, const Facts& facts, Findi
     if (!certificate.problem.empty()) {
         findings.push_back(make_finding(
             "bundle_not_usable",
-            fmt::format("The {} is not usable: {}.", renewal.what, certificate.problem),
+            certificate.member.empty()
+                ? fmt::format("No bundle of `atrium keys`: {}.", certificate.problem)
+                : fmt::format("The {} is not usable: {}.", renewal.what, certificate.problem),
             fmt::format("chmod 600 {0}; atrium keys check {0}",
                         shell_word(certificate.file.string()))));
     }

@@ -122,8 +122,9 @@ Facts collect(const System& system, const Request& request) {
     if (!request.wishes.cache.empty() && !facts.packages.runs_file) {
         facts.cache = collect_folder(system, existing_part(request.wishes.cache), kCacheTestBytes);
     }
-    if (!request.keys.empty()) {
-        facts.keys = collect_keys(system, request.keys);
+    const auto& keys = request.keys.empty() ? request.wishes.keys : request.keys;
+    if (!keys.empty()) {
+        facts.keys = collect_keys(system, keys);
     } else if (system.exists(kKeys)) {
         facts.keys = collect_keys(system, system.at(kKeys));
     }

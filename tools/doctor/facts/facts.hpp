@@ -199,8 +199,9 @@ struct Wishes {
     std::string interface;  // empty: none named
     bool has_peers = false;
     std::uint32_t domain = 0;
-    std::string source;       // of pictures: simulated, recording, cameras; empty: none
-    std::string rig_problem;  // empty: the rig can be read
+    std::filesystem::path keys;  // bundle or invitation; empty: none named
+    std::string source;          // of pictures: simulated, recording, cameras; empty: none
+    std::string rig_problem;     // empty: the rig can be read
     std::filesystem::path rig;
     std::filesystem::path recording;
     bool is_recording_there = true;

@@ -47,13 +47,27 @@ Certificate examine_certificate(const System& system,
     return certificate;
 }
 
-// A bundle, whose first certificate is not that of its member. nullopt: it is none.
+bool is_certificate(const std::string& text) {
+    return text.find("-----BEGIN CERTIFICATE-----") != std::string::npos;
+}
+
+bool is_private_key(const std::string& text) {
+    return text.find("PRIVATE KEY-----") != std::string::npos;
+}
+
+// A bundle, whose first certificate is not that of its member. nullopt: it is none and need not be
+// one.
 std::optional<Certificate> examine_bundle(const std::filesystem::path& file,
                                           const std::string& text,
-                                          mode_t mode) {
-    const auto bundle = keys::parse_bundle(text, file.string());
-    if (!bundle) return std::nullopt;
+                                          mode_t mode,
+                                          bool must_be_one) {
     Certificate certificate{file, {}, {}};
+    const auto bundle = keys::parse_bundle(text, file.string());
+    if (!bundle && !must_be_one) return std::nullopt;
+    if (!bundle) {
+        certificate.problem = bundle.error().message;
+        return certificate;
+    }
     certificate.member = keys::describe(bundle->member);
     certificate.member_name = bundle->member.name;
     if ((mode & 077U) != 0) certificate.problem = "others can read it, and programs then refuse it";
@@ -116,15 +130,17 @@ KeyFacts collect_keys(const System& system, const std::filesystem::path& where) 
         const auto status = files.status_of(path);
         if (!status || !S_ISREG(status->st_mode)) continue;
         const std::string text = files.read(path).value_or("");
-        if (auto bundle = examine_bundle(file, text, status->st_mode)) {
+        const auto extension = file.extension();
+        const bool must_be_bundle = extension == ".bundle" || extension == ".invitation" ||
+                                    (is_file && !is_certificate(text) && !is_private_key(text));
+        if (auto bundle = examine_bundle(file, text, status->st_mode, must_be_bundle)) {
             keys.certificates.push_back(std::move(*bundle));
             continue;
         }
-        if (text.find("-----BEGIN CERTIFICATE-----") != std::string::npos)
+        if (is_certificate(text))
             keys.certificates.push_back(examine_certificate(system, file, keys));
-        const bool is_private = text.find("PRIVATE KEY-----") != std::string::npos;
         // the services read keys as their group
-        if (is_private && (status->st_mode & (S_IWGRP | S_IRWXO)) != 0)
+        if (is_private_key(text) && (status->st_mode & (S_IWGRP | S_IRWXO)) != 0)
             keys.open_keys.push_back(file);
     }
     return keys;

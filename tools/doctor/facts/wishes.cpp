@@ -24,6 +24,10 @@ void read_bus(config::TableReader& file, Wishes& wishes) {
     wishes.has_peers = !peers.empty();
     file.read("bus.interface", wishes.interface);
     file.read("bus.domain", wishes.domain, {0, 230});
+    std::string keys;
+    file.read("bus.security", keys);
+    if (!keys.empty() && keys != "none") file.read("bus.security", wishes.keys);
+    file.read("bus.join", wishes.keys);
     file.read("process.nice", wishes.nice, {-20, 19});
 }
 
