@@ -296,7 +296,7 @@ void fields(auto& v, Of<Presence> auto& m, auto& w) {
 }
 
 void fields(auto& v, Of<RevokedKeys> auto& m, auto& w) {
-    v.key("RevokedKeys.world", m.world, w.world, Text::kName);
+    v.key("RevokedKeys.sender", m.sender, w.sender, Text::kName);
     v("RevokedKeys.crl", m.crl, w.crl, AtMost{kMaxRevocationBytes});
 }
 

@@ -10,6 +10,8 @@
 #include <pthread.h>
 
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -21,6 +23,10 @@ namespace {
 
 constexpr std::chrono::milliseconds kLookAtFile{500};
 constexpr std::chrono::hours kSoon{30 * 24};
+constexpr std::chrono::seconds kSignOfLife{4};
+constexpr std::chrono::seconds kIgnored{10};
+constexpr std::size_t kMaxKnown = 256;
+using Clock = std::chrono::steady_clock;
 
 void log_line(const std::string& line) { DdsLog::of_process().add(line, line); }
 
@@ -39,15 +45,21 @@ struct KeyWatch::Impl {
     std::filesystem::file_time_type file_time;
     std::set<std::string> serials;
     std::optional<Reader<RevokedKeys>> reader;
-    std::optional<Writer<RevokedKeys>> writer;  // of world servers
+    std::optional<Writer<RevokedKeys>> writer;
+    std::string longest;  // list that is known
+    std::size_t num_in_longest = 0;
+    std::set<std::size_t> known;                       // hashes of good lists
+    std::map<std::string, Clock::time_point> ignored;  // senders of bad lists, until when
+    Clock::time_point next_publish;
     std::optional<Waiter> waiter;
     std::optional<PeerLeases> leases;
     bool has_expired = false;
     std::jthread thread;  // last: ends before the rest goes
 
     Expected<void> open(const Participant& participant);
-    void use(const std::string& crl, const std::string& from);
-    void publish(const std::string& crl);
+    bool use(const std::string& crl, const std::string& from);
+    void take(const RevokedKeys& list);
+    void publish();
     void look_at_file();
     void look_at_own_key();
     void serve(std::stop_token stop);
@@ -68,32 +80,48 @@ Expected<void> KeyWatch::Impl::open(const Participant& participant) {
     if (!made_waiter) return tl::unexpected(made_waiter.error());
     waiter = std::move(*made_waiter);
     waiter->add(*reader);
-    if (bundle->member.kind == keys::Kind::kWorld) {
-        auto made_writer = Writer<RevokedKeys>::create(participant);
-        if (!made_writer) return tl::unexpected(made_writer.error());
-        writer = std::move(*made_writer);
-        publish(bundle->crl);
-    }
+    auto made_writer = Writer<RevokedKeys>::create(participant);
+    if (!made_writer) return tl::unexpected(made_writer.error());
+    writer = std::move(*made_writer);
     return {};
 }
 
-void KeyWatch::Impl::publish(const std::string& crl) {
-    const RevokedKeys list{bundle->member.world, {crl.begin(), crl.end()}};
+void KeyWatch::Impl::publish() {
+    next_publish = Clock::now() + kSignOfLife;
+    const keys::Member& self = bundle->member;
+    const RevokedKeys list{self.kind == keys::Kind::kWorld ? self.world : self.name,
+                           {longest.begin(), longest.end()}};
     if (const auto written = writer->write(list); !written)
         log_line(fmt::format("keys_not_published reason=\"{}\"", written.error().message));
 }
 
-void KeyWatch::Impl::use(const std::string& crl, const std::string& from) {
+// From another program, who may be hostile: a signature is checked only if it may be news.
+void KeyWatch::Impl::take(const RevokedKeys& list) {
+    const std::string crl(list.crl.begin(), list.crl.end());
+    const auto now = Clock::now();
+    std::erase_if(ignored, [now](const auto& one) { return one.second <= now; });
+    if (known.contains(std::hash<std::string>{}(crl)) || ignored.contains(list.sender)) return;
+    if (!use(crl, list.sender)) ignored[list.sender] = now + kIgnored;
+}
+
+// False if it is no list of this world's authority.
+bool KeyWatch::Impl::use(const std::string& crl, const std::string& from) {
     const auto revoked = keys::read_crl(crl, bundle->identity_ca);
     if (!revoked) {
         log_line(
             fmt::format("keys_not_taken from=\"{}\" reason=\"{}\"", from, revoked.error().message));
-        return;
+        return false;
+    }
+    if (known.size() >= kMaxKnown) known.clear();
+    known.insert(std::hash<std::string>{}(crl));
+    if (longest.empty() || revoked->size() > num_in_longest) {
+        longest = crl;
+        num_in_longest = revoked->size();
     }
     std::set<std::string> added;
     for (const keys::Revocation& entry : *revoked)
         if (serials.insert(entry.serial).second) added.insert(entry.serial);
-    if (added.empty()) return;
+    if (added.empty()) return true;
     refuse_keys(bundle->member.world, added);
     log_line(
         fmt::format("revoked_keys new={} all={} from=\"{}\"", added.size(), serials.size(), from));
@@ -101,6 +129,7 @@ void KeyWatch::Impl::use(const std::string& crl, const std::string& from) {
         log_line(
             "own_key_revoked others cut this program off; if it shall go on, its owner runs "
             "`atrium keys renew` and exports a new bundle");
+    return true;
 }
 
 void KeyWatch::Impl::look_at_file() {
@@ -118,7 +147,7 @@ void KeyWatch::Impl::look_at_file() {
                         "start this program again to use it",
                         file));
     use(now->crl, file);
-    if (writer) publish(now->crl);
+    publish();
     if (now->certificate != bundle->certificate)
         log_line(
             fmt::format("bundle_has_a_new_key file={} start this program again to use it", file));
@@ -145,12 +174,11 @@ void KeyWatch::Impl::serve(std::stop_token stop) {
                         bundle->member.name));
     while (!stop.stop_requested()) {
         waiter->wait(kLookAtFile);
-        reader->take([this](RevokedKeys&& list) {
-            use({list.crl.begin(), list.crl.end()}, "world server");
-        });
+        reader->take([this](RevokedKeys&& list) { take(list); });
         look_at_file();
         look_at_own_key();
         leases->look();
+        if (Clock::now() >= next_publish) publish();
     }
 }
 

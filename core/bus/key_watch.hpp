@@ -8,10 +8,10 @@ namespace atrium::bus {
 
 /// Keeps the list of revoked keys of this process up to date while it runs, in a thread of its own:
 /// looks twice a second whether its bundle was replaced by one with a newer list, and takes the
-/// list that the world server publishes (RevokedKeys), which publishes that of its own bundle.
-/// Programs whose keys are on one of the lists are cut off. Also says when the own key expires, and
-/// gives up programs that prove nothing (peer_leases.hpp).
-/// Private to core/bus.
+/// lists that the others publish (RevokedKeys). Publishes the longest that it knows: when it grows,
+/// and every four seconds, as a sign of life. Programs whose keys are on one of the lists are cut
+/// off. Also says when the own key expires, and gives up programs that prove nothing
+/// (peer_leases.hpp). Private to core/bus.
 class KeyWatch {
 public:
     /// `file` is the bundle that `bundle` was read from.

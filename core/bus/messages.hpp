@@ -345,9 +345,10 @@ enum class ProgramKind : std::uint8_t {
     kRegionNode
 };
 
-/// The keys that are no longer valid, from the world server. Transient local, when it changes.
+/// The keys that are no longer valid, as a member knows them. Transient local, when the list
+/// changes, and every four seconds as a sign of life (peer_leases.hpp).
 struct RevokedKeys {
-    std::string world;
+    std::string sender;  // name of the member
     std::vector<std::uint8_t> crl;  // PEM text, signed by the identity authority
 };
 

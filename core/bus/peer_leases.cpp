@@ -14,8 +14,7 @@ namespace {
 
 using authentication::process;
 
-// Idle programs send something encrypted every eight seconds at least; those of Atrium every
-// second.
+// Idle programs send something encrypted every four seconds (KeyWatch).
 constexpr std::chrono::milliseconds kLimit{12'000};
 // Two programs that give each other up at the same pace could miss each other for ever.
 constexpr int kJitterMs = 4'000;

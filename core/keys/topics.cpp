@@ -30,13 +30,13 @@ constexpr std::array kTopics{
     Topic{"EditResult", Author::kWorld},
     Topic{"SavedWorlds", Author::kWorld},
     Topic{"WorldStatus", Author::kWorld},
-    Topic{"RevokedKeys", Author::kWorld},
     Topic{"ViewerStatus", Author::kViewer},
     Topic{"StreamFeedback", Author::kViewer, true},
     Topic{"SceneCommand", Author::kCommand},
     Topic{"SceneEdit", Author::kCommand},
     Topic{"RoomRecordOrder", Author::kCommand, true, Right::kRecord},
     Topic{"Presence", Author::kAll, true},
+    Topic{"RevokedKeys", Author::kAll, true},
 };
 
 std::vector<std::string> part_of(const Member& site) {

@@ -61,6 +61,10 @@ TEST_P(OneWayLink, StreamsComeBack) {
     const auto listener = start(
         kListener, {"stream_watch", "--security", bundle(store, keys::Kind::kMonitor, "mona")});
     ASSERT_TRUE(listener->wait_for_output("first alice", 60s)) << site->output();
+    // nobody gives up a listener that has nothing to say
+    std::this_thread::sleep_for(18s);
+    EXPECT_EQ(listener->output().find("gap"), std::string::npos) << listener->output();
+    EXPECT_EQ(site->output().find("cut_off"), std::string::npos) << site->output();
     // Longer than the lease of participants (10 s), shorter than it takes to give up a silent one.
     network_->set(kListener, GetParam(), {.loss = 1.0});
     std::this_thread::sleep_for(13s);
