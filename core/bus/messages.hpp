@@ -348,7 +348,7 @@ enum class ProgramKind : std::uint8_t {
 /// The keys that are no longer valid, as a member knows them. Transient local, when the list
 /// changes, and every four seconds as a sign of life (peer_leases.hpp).
 struct RevokedKeys {
-    std::string sender;  // name of the member
+    std::string sender;             // name of the member
     std::vector<std::uint8_t> crl;  // PEM text, signed by the identity authority
 };
 
