@@ -12,7 +12,8 @@ namespace atrium::bus {
 
 /// Ends what Cyclone knows of programs that prove nothing for too long, in a world with keys:
 ///
-/// - Who has proven no key goes after about twelve seconds. Cyclone keeps a stranger for as long as
+/// - Who has proven no key goes after about twelve seconds; of more than a thousand, after three to
+///   seven. Cyclone keeps a stranger for as long as
 ///   it announces itself, or as long as its announcement says: for ever, if it says so.
 /// - Who has proven its key goes when for as long nothing came that its keys decrypt. If of two
 ///   programs only one loses the other (a link that works one way for a while), that one begins a
