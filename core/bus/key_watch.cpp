@@ -39,9 +39,9 @@ std::filesystem::file_time_type time_of_file(const std::string& file) {
     return error ? std::filesystem::file_time_type{} : time;
 }
 
-// Cyclone's threads that take in announcements, and forget those who have left, step back behind
-// the people: in a flood of strangers they use what is left of the processor. What they do not get
-// to is dropped in the socket.
+// Cyclone's thread that takes in announcements steps back behind the people: in a flood of
+// strangers it uses what is left of the processor. What it does not get to is dropped in the
+// socket.
 void put_discovery_behind() {
     constexpr int kSteps = 10;
     static std::once_flag once;
@@ -51,7 +51,7 @@ void put_discovery_behind() {
         for (; !failure && task != std::filesystem::directory_iterator(); task.increment(failure)) {
             std::string name;
             std::getline(std::ifstream(task->path() / "comm"), name);
-            if (name != "dq.builtins" && name != "gc") continue;
+            if (name != "dq.builtins") continue;
             const auto id = static_cast<id_t>(std::stoul(task->path().filename().string()));
             static_cast<void>(
                 ::setpriority(PRIO_PROCESS, id, ::getpriority(PRIO_PROCESS, id) + kSteps));
