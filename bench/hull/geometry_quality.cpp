@@ -1,0 +1,127 @@
+// Compares the shape of simulated people, as a site computes it, with their true surface. Writes
+// rows of comma-separated values, one per instant. geometry_quality.sh keeps them and makes the
+// table of docs/measurements/hull.md.
+#include "bench/value_of.hpp"
+#include "core/app/program.hpp"
+#include "core/config/rig.hpp"
+#include "simulation/look.hpp"
+#include "simulation/person.hpp"
+#include "simulation/room_renderer.hpp"
+#include "site_node/hull/visual_hull.hpp"
+#include "site_node/silhouette/silhouette.hpp"
+#include "tests/support/shapes/solid_error.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace atrium::bench {
+namespace {
+
+// Limbs apart, crossed, raised, bent and before the trunk.
+constexpr std::array kMotions{"wave", "walk", "push", "kick", "scoop", "carry"};
+
+struct Options {
+    std::filesystem::path rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body_1mp.toml";
+    std::string look;  // empty: all
+    int instants = 5;  // of each motion
+};
+
+struct Row {
+    std::string look;
+    std::string motion;
+    double time_s = 0.0;
+    test::SolidError error;
+};
+
+// The hull of true masks: what the geometry adds to the error, not the segmentation.
+hull::VisualHull hull_of(simulation::RoomRenderer& room, double time_s) {
+    std::vector<hull::SilhouetteView> views;
+    silhouette::SilhouetteScratch scratch;
+    std::vector<silhouette::SilhouettePolygon> polygons;
+    image::YuvImage picture;
+    image::Mask mask;
+    for (std::size_t i = 0; i < room.cameras().size(); ++i) {
+        const geometry::CalibratedCamera& camera = room.cameras()[i];
+        room.render(time_s, i, simulation::Scene::kPerson, 0, picture, &mask);
+        silhouette::extract_silhouette(mask, camera.intrinsics, {}, scratch, polygons);
+        hull::SilhouetteView view{camera.intrinsics, camera.camera_from_site, {}, {}};
+        for (const auto& polygon : polygons) view.contours.push_back(polygon.vertices_px);
+        views.push_back(std::move(view));
+    }
+    hull::HullScratch hull_scratch;
+    return hull::compute_visual_hull(views, {}, hull_scratch);
+}
+
+void print(const Row& row) {
+    const test::SolidError& e = row.error;
+    fmt::print("{},{},{:.2f},hull,{:.3f},{:.3f},{:.3f},{:.3f},{:.2f},{:.2f},{:.2f},{:.2f}\n",
+               row.look,
+               row.motion,
+               row.time_s,
+               e.true_volume_l,
+               e.volume_l,
+               e.excess_l,
+               e.missing_l,
+               e.mean_mm,
+               e.p95_mm,
+               e.true_mean_mm,
+               e.true_p95_mm);
+    std::fflush(stdout);
+}
+
+void measure(const std::string& look, const std::string& motion, const Options& options) {
+    simulation::RoomOptions room_options;
+    room_options.look = look;
+    room_options.motion = motion;
+    const auto rig = value_of(config::load_rig(options.rig));
+    auto room = value_of(simulation::RoomRenderer::create(rig.cameras, room_options));
+    for (int i = 0; i < options.instants; ++i) {
+        const double time_s = room_options.loop_s * (i + 0.5) / options.instants;
+        const hull::VisualHull hull = hull_of(room, time_s);
+        if (hull.status != hull::HullStatus::kOk) {
+            fmt::print(stderr,
+                       "{} {} at {:.2f} s: no hull: {}\n",
+                       look,
+                       motion,
+                       time_s,
+                       hull::to_string(hull.status));
+            std::exit(1);
+        }
+        print({look, motion, time_s, test::compare_solids(room.person().mesh(time_s), hull.mesh)});
+    }
+}
+
+int run(int argc, char** argv) {
+    Options options;
+    config::OptionSet set;
+    set.add("rig", options.rig, "cameras of the simulated room, a rig file");
+    set.add("look", options.look, "only this person; empty: all");
+    set.add("instants", options.instants, "of each motion", {1, 100});
+    const app::Start started =
+        app::start({"geometry_quality",
+                    "Compares the hulls of simulated people with their true surface: volume "
+                    "outside of the body, volume that is missing, distances.",
+                    "  geometry_quality --look ada --instants 1\n"},
+                   set,
+                   argc,
+                   argv);
+    if (!started.go_on) return started.exit_code;
+    fmt::print(
+        "look,motion,time_s,shape,true_l,volume_l,excess_l,missing_l,mean_mm,p95_mm,"
+        "true_mean_mm,true_p95_mm\n");
+    for (const std::string& look : simulation::look_names()) {
+        if (!options.look.empty() && look != options.look) continue;
+        for (const char* motion : kMotions) measure(look, motion, options);
+    }
+    return 0;
+}
+
+}  // namespace
+}  // namespace atrium::bench
+
+int main(int argc, char** argv) { return atrium::bench::run(argc, argv); }
