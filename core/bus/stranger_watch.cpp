@@ -61,9 +61,10 @@ void StrangerWatch::look(dds_entity_t participants,
                          dds_entity_t publications,
                          dds_entity_t subscriptions) {
     const auto now = std::chrono::steady_clock::now();
-    const std::set<std::string> talking =
-        has_keys_ ? std::set<std::string>() : talkers(publications, subscriptions);
-    const bool hears_others = talking.size() > talking.count(own_);
+    if (hears_others_) return;
+    std::set<std::string> talking;
+    if (!has_keys_) talking = talkers(publications, subscriptions);
+    hears_others_ = talking.size() > talking.count(own_);
     std::map<std::string, Stranger> still_there;
     read_each(participants, kAlive, [&](const void* sample, dds_instance_handle_t /*handle*/) {
         const auto& found = *static_cast<const dds_builtintopic_participant_t*>(sample);
@@ -72,7 +73,7 @@ void StrangerWatch::look(dds_entity_t participants,
         if (has_keys_ && standing_of(found.key) == Standing::kProven) return;
         const auto known = strangers_.find(guid);
         Stranger stranger = known == strangers_.end() ? Stranger{now} : known->second;
-        if (!stranger.is_reported && now - stranger.since >= kPatience && !hears_others) {
+        if (!stranger.is_reported && now - stranger.since >= kPatience && !hears_others_) {
             stranger.is_reported = true;
             const std::string line = complaint_about(found);
             if (!line.empty()) DdsLog::of_process().add(line, line);

@@ -29,7 +29,8 @@ private:
     std::string complaint_about(const dds_builtintopic_participant_t& stranger) const;
 
     bool has_keys_ = false;
-    std::string own_;  // participant
+    bool hears_others_ = false;  // without keys: somebody once did, and the rest is not asked for
+    std::string own_;            // participant
     std::map<std::string, Stranger> strangers_;
 };
 
