@@ -16,8 +16,7 @@ using authentication::process;
 
 // Idle programs send something encrypted every four seconds (KeyWatch).
 constexpr std::chrono::milliseconds kLimit{12'000};
-// In a flood of strangers each costs the more the more there are, and few handshakes can end
-// anyway.
+// A flood of strangers shall fill less memory.
 constexpr std::size_t kMany = 1'000;
 constexpr std::chrono::milliseconds kLessForMany{9'000};
 // Two programs that give each other up at the same pace could miss each other for ever.

@@ -25,8 +25,7 @@ struct SolidErrorOptions {
     std::uint64_t seed = 1;
 };
 
-/// Compares two closed meshes that face outwards. The error of excess and missing volume is that of
-/// sampling: about one per cent of them for a person. Takes about a second.
+/// Compares two closed meshes that face outwards. Excess and missing volume are sampled.
 SolidError compare_solids(const geometry::TriangleMesh& truth,
                           const geometry::TriangleMesh& mesh,
                           const SolidErrorOptions& options = {});
