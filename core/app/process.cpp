@@ -1,6 +1,7 @@
 #include "core/app/process.hpp"
 
 #include "core/app/log.hpp"
+#include "core/base/process_threads.hpp"
 
 #include <sys/resource.h>
 #include <time.h>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -35,11 +35,8 @@ int apply(const ProcessOptions& options) {
     int failure = 0;
     // on Linux each thread has its own niceness; some threads may run already
     std::error_code unreadable;
-    for (std::filesystem::directory_iterator thread("/proc/self/task", unreadable), end;
-         !unreadable && thread != end;
-         thread.increment(unreadable)) {
-        const std::string name = thread->path().filename().string();
-        const auto id = static_cast<id_t>(std::strtoul(name.c_str(), nullptr, 10));
+    for (const ProcessThread& thread : process_threads(unreadable)) {
+        const auto id = static_cast<id_t>(thread.id);
         // ESRCH: the thread has ended meanwhile
         if (setpriority(PRIO_PROCESS, id, wanted) != 0 && errno != ESRCH) failure = errno;
     }

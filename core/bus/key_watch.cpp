@@ -1,5 +1,6 @@
 #include "core/bus/key_watch.hpp"
 
+#include "core/base/process_threads.hpp"
 #include "core/bus/authentication.hpp"
 #include "core/bus/dds_log.hpp"
 #include "core/bus/participant.hpp"
@@ -11,7 +12,6 @@
 #include <sys/resource.h>
 
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -39,23 +39,25 @@ std::filesystem::file_time_type time_of_file(const std::string& file) {
     return error ? std::filesystem::file_time_type{} : time;
 }
 
-// Cyclone's thread that takes in announcements steps back behind the people: in a flood of
-// strangers it uses what is left of the processor. What it does not get to is dropped in the
-// socket.
+// Cyclone's threads for announcements step back behind the people: in a flood of strangers they
+// use what is left of the processor. What they do not get to is dropped in the socket.
+// "dq.builtins" takes announcements in; "recv" reads their ports, and all ports unless "recvUC"
+// reads the data's.
 void put_discovery_behind() {
     constexpr int kSteps = 10;
     static std::once_flag once;
     std::call_once(once, [] {
+        std::map<std::string, id_t> threads;
         std::error_code failure;
-        std::filesystem::directory_iterator task("/proc/self/task", failure);
-        for (; !failure && task != std::filesystem::directory_iterator(); task.increment(failure)) {
-            std::string name;
-            std::getline(std::ifstream(task->path() / "comm"), name);
-            if (name != "dq.builtins") continue;
-            const auto id = static_cast<id_t>(std::stoul(task->path().filename().string()));
-            static_cast<void>(
-                ::setpriority(PRIO_PROCESS, id, ::getpriority(PRIO_PROCESS, id) + kSteps));
-        }
+        for (const ProcessThread& thread : process_threads(failure))
+            threads[thread.name] = static_cast<id_t>(thread.id);
+        if (!threads.contains("recvUC")) threads.erase("recv");
+        for (const char* name : {"dq.builtins", "recv"})
+            if (const auto thread = threads.find(name); thread != threads.end())
+                static_cast<void>(
+                    ::setpriority(PRIO_PROCESS,
+                                  thread->second,
+                                  ::getpriority(PRIO_PROCESS, thread->second) + kSteps));
     });
 }
 

@@ -1,12 +1,14 @@
 #include "core/bus/receive_threads.hpp"
 
+#include "core/base/process_threads.hpp"
+
 #include <fcntl.h>
 
 #include <array>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
+#include <system_error>
+#include <vector>
 
 namespace atrium::bus {
 namespace {
@@ -36,13 +38,12 @@ void ReceiveThreads::find() {
     found_ = Clock::now();
     states_.clear();
     std::error_code failure;
-    std::filesystem::directory_iterator task("/proc/self/task", failure);
+    const std::vector<ProcessThread> threads = process_threads(failure);
     can_list_ = !failure;
-    for (; !failure && task != std::filesystem::directory_iterator(); task.increment(failure)) {
-        std::string name;
-        std::getline(std::ifstream(task->path() / "comm"), name);
-        if (!receives(name)) continue;
-        const int opened = open((task->path() / "stat").c_str(), O_RDONLY | O_CLOEXEC);
+    for (const ProcessThread& thread : threads) {
+        if (!receives(thread.name)) continue;
+        const std::string stat = "/proc/self/task/" + std::to_string(thread.id) + "/stat";
+        const int opened = open(stat.c_str(), O_RDONLY | O_CLOEXEC);
         if (opened >= 0) states_.emplace_back(opened);
     }
 }
