@@ -2,6 +2,7 @@
 
 #include "core/base/process_threads.hpp"
 #include "core/bus/authentication.hpp"
+#include "core/bus/bundle_change.hpp"
 #include "core/bus/dds_log.hpp"
 #include "core/bus/participant.hpp"
 #include "core/bus/peer_leases.hpp"
@@ -10,8 +11,9 @@
 #include <fmt/format.h>
 #include <pthread.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
-#include <filesystem>
+#include <ctime>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -33,10 +35,11 @@ using Clock = std::chrono::steady_clock;
 
 void log_line(const std::string& line) { DdsLog::of_process().add(line, line); }
 
-std::filesystem::file_time_type time_of_file(const std::string& file) {
-    std::error_code error;
-    const auto time = std::filesystem::last_write_time(file, error);
-    return error ? std::filesystem::file_time_type{} : time;
+// Of the last change of content, mode or name; a zero if there is no file.
+std::pair<std::time_t, long> change_of_file(const std::string& file) {
+    struct stat info {};
+    if (::stat(file.c_str(), &info) != 0) return {};
+    return {info.st_ctim.tv_sec, info.st_ctim.tv_nsec};
 }
 
 // Cyclone's threads for announcements step back behind the people: in a flood of strangers they
@@ -67,7 +70,8 @@ struct KeyWatch::Impl {
     std::string file;
     std::shared_ptr<const keys::Bundle> bundle;
     keys::CertificateFacts own;
-    std::filesystem::file_time_type file_time;
+    std::pair<std::time_t, long> file_change;
+    std::string complaint;  // about the file; empty: it is good
     std::set<std::string> serials;
     std::optional<Reader<RevokedKeys>> reader;
     std::optional<Writer<RevokedKeys>> writer;
@@ -86,6 +90,7 @@ struct KeyWatch::Impl {
     void take(const RevokedKeys& list);
     void publish();
     void look_at_file();
+    std::string complaint_about_file();
     void look_at_own_key();
     void serve(std::stop_token stop);
 };
@@ -94,7 +99,7 @@ Expected<void> KeyWatch::Impl::open(const Participant& participant) {
     const auto facts = keys::facts_of_certificate(bundle->certificate);
     if (!facts) return tl::unexpected(facts.error());
     own = *facts;
-    file_time = time_of_file(file);
+    file_change = change_of_file(file);
     auto made_leases = PeerLeases::create(participant.impl()->participant.get());
     if (!made_leases) return tl::unexpected(made_leases.error());
     leases = std::move(*made_leases);
@@ -139,7 +144,8 @@ bool KeyWatch::Impl::use(const std::string& crl, const std::string& from) {
     }
     if (known.size() >= kMaxKnown) known.clear();
     known.insert(std::hash<std::string>{}(crl));
-    if (longest.empty() || revoked->size() > num_in_longest) {
+    const bool is_first = longest.empty();  // of the own bundle, at the start: no news
+    if (is_first || revoked->size() > num_in_longest) {
         longest = crl;
         num_in_longest = revoked->size();
     }
@@ -148,8 +154,9 @@ bool KeyWatch::Impl::use(const std::string& crl, const std::string& from) {
         if (serials.insert(entry.serial).second) added.insert(entry.serial);
     if (added.empty()) return true;
     refuse_keys(bundle->member.world, added);
-    log_line(
-        fmt::format("revoked_keys new={} all={} from=\"{}\"", added.size(), serials.size(), from));
+    if (!is_first)
+        log_line(fmt::format(
+            "revoked_keys new={} all={} from=\"{}\"", added.size(), serials.size(), from));
     if (added.contains(own.serial))
         log_line(
             "own_key_revoked others cut this program off; if it shall go on, its owner runs "
@@ -158,24 +165,26 @@ bool KeyWatch::Impl::use(const std::string& crl, const std::string& from) {
 }
 
 void KeyWatch::Impl::look_at_file() {
-    const auto time = time_of_file(file);
-    if (time == file_time) return;
-    file_time = time;
+    const auto change = change_of_file(file);
+    if (change == file_change) return;
+    file_change = change;
+    const std::string before = std::exchange(complaint, complaint_about_file());
+    if (complaint == before) return;
+    log_line(complaint.empty() ? fmt::format("bundle_good_again file={}", file) : complaint);
+}
+
+// Takes the list of revoked keys from the file, too.
+std::string KeyWatch::Impl::complaint_about_file() {
     const auto now = keys::read_bundle(file);
     if (!now) {
-        file_time = {};  // it may be half copied: again at the next look
-        return log_line(fmt::format("bundle_not_read reason=\"{}\"", now.error().message));
+        file_change = {};  // it may be half copied: again at the next look
+        return fmt::format("bundle_not_read reason=\"{}\"", now.error().message);
     }
-    if (now->identity_ca != bundle->identity_ca)
-        return log_line(
-            fmt::format("bundle_of_other_keys file={} it is of another key store: "
-                        "start this program again to use it",
-                        file));
-    use(now->crl, file);
-    publish();
-    if (now->certificate != bundle->certificate)
-        log_line(
-            fmt::format("bundle_has_a_new_key file={} start this program again to use it", file));
+    if (now->identity_ca == bundle->identity_ca) {
+        use(now->crl, file);
+        publish();
+    }
+    return complaint_about(*now, *bundle, file);
 }
 
 void KeyWatch::Impl::look_at_own_key() {
