@@ -17,6 +17,7 @@ namespace atrium::bus {
 using authentication::Finalize;
 using authentication::guid_text;
 using authentication::Init;
+using authentication::kRevoked;
 using authentication::log_cut;
 using authentication::process;
 using authentication::Process;
@@ -115,13 +116,16 @@ void refuse_keys(const std::string& world, const std::set<std::string>& serials)
         all.refused[world].insert(serials.begin(), serials.end());
         for (const auto& [plugin, instance] : all.instances) {
             for (const auto& [identity, peer] : instance.peers) {
-                if (peer.world == world && serials.contains(peer.serial))
-                    cuts.push_back({instance.listener, plugin, identity, peer.name});
+                if (peer.world != world || !serials.contains(peer.serial)) continue;
+                cuts.push_back({instance.listener, plugin, identity, peer.name});
+                const auto remote = instance.remotes.find(identity);
+                if (remote != instance.remotes.end())
+                    authentication::note_refusal(remote->second.text, peer.name, kRevoked);
             }
         }
     }
     for (const Cut& cut : cuts) {
-        log_cut(cut.name, "its key is revoked");
+        log_cut(cut.name, kRevoked);
         if (cut.listener != nullptr) cut.listener->on_revoke_identity(cut.plugin, cut.identity);
     }
 }
@@ -156,6 +160,13 @@ Standing standing_of(const dds_guid_t& participant) {
         }
     }
     return best;
+}
+
+std::string refusal_of(const dds_guid_t& participant) {
+    Process& all = process();
+    const std::lock_guard lock(all.mutex);
+    const auto found = all.refusals.find(guid_text(participant.v));
+    return found == all.refusals.end() ? std::string() : found->second;
 }
 
 std::string proven_name(const dds_guid_t& participant) {

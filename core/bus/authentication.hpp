@@ -38,6 +38,10 @@ enum class Standing : std::uint8_t {
 /// Thread-safe.
 Standing standing_of(const dds_guid_t& participant);
 
+/// Why the keys of a participant were refused or cut off last, and whose they are: "its key is
+/// revoked (viewer bob)"; empty: they were not. Thread-safe.
+std::string refusal_of(const dds_guid_t& participant);
+
 /// The member whose key a program has proven: "viewer bob"; empty: none. Thread-safe.
 std::string proven_name(const dds_guid_t& participant);
 /// The same for the first program whose GUID is in a line that Cyclone logs. Thread-safe.

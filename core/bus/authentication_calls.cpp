@@ -7,9 +7,11 @@
 #include <dds/dds.h>
 #include <fmt/format.h>
 
+#include <array>
 #include <cstring>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 // The functions that take the place of Cyclone's in its table. Each calls that of Cyclone.
 namespace atrium::bus::authentication {
@@ -50,26 +52,34 @@ std::optional<Peer> peer_of(std::string certificate) {
                 facts->validity.end};
 }
 
-void log_refusal(const std::string& who, const std::string& why) {
-    std::string line = why.substr(0, 200);
+// It may be from the network.
+std::string quotable(const std::string& text) {
+    std::string line = text.substr(0, 200);
     for (char& c : line)
         if (c < ' ' || c > '~' || c == '"') c = ' ';
-    DdsLog::of_process().add(fmt::format("keys {} {}", who, line.substr(0, 40)),
-                             fmt::format("refused peer=\"{}\" reason=\"{}\"", who, line));
+    return line;
+}
+
+void log_refusal(const std::string& who, const std::string& why) {
+    DdsLog::of_process().add(fmt::format("keys {} {}", who, why.substr(0, 40)),
+                             fmt::format("refused peer=\"{}\" reason=\"{}\"", who, why));
 }
 
 // Notes that the keys of a program are refused, and logs it.
 void refuse(const Plugin* plugin, Identity remote, const std::string& who, const std::string& why) {
     // a message of a handshake that has begun anew meanwhile: that one will end, or say why
     if (why.find("does not match future_challenge") != std::string::npos) return;
+    const std::string plain = quotable(plain_reason(why));
     {
         Process& all = process();
         const std::lock_guard lock(all.mutex);
         auto& remotes = all.instances.at(plugin).remotes;
-        if (const auto found = remotes.find(remote); found != remotes.end())
+        if (const auto found = remotes.find(remote); found != remotes.end()) {
             found->second.is_refused = true;
+            note_refusal(found->second.text, who, plain);
+        }
     }
-    log_refusal(who, why);
+    log_refusal(who, plain);
 }
 
 const Plugin& original_of(const Plugin* plugin) {
@@ -90,7 +100,8 @@ Result validate_remote_identity(Plugin* plugin,
         plugin, remote, local_request, remote_request, local, token, guid, exception);
     if (result == DDS_SECURITY_VALIDATION_FAILED) {
         log_refusal("program " + guid_text(guid->prefix),
-                    exception->message == nullptr ? "it proves no key" : exception->message);
+                    quotable(exception->message == nullptr ? "it proves no key"
+                                                           : plain_reason(exception->message)));
         return result;
     }
     Process& all = process();
@@ -220,7 +231,7 @@ Result process_handshake(Plugin* plugin,
             instance.peers.insert_or_assign(remote, *peer);
     }
     if (!is_refused) return result;
-    const std::string why = "its key is revoked";
+    const std::string why = kRevoked;
     refuse(plugin, remote, peer->name, why);
     return failure(why, exception);
 }
@@ -245,8 +256,12 @@ DDS_Security_boolean return_identity_handle(Plugin* plugin,
         Instance& instance = all.instances.at(plugin);
         // Cyclone cuts it off without a word.
         const auto peer = instance.peers.find(identity);
-        if (peer != instance.peers.end() && Timestamp::now() >= peer->second.end)
-            log_cut(peer->second.name, "its key has expired");
+        if (peer != instance.peers.end() && Timestamp::now() >= peer->second.end) {
+            log_cut(peer->second.name, kExpired);
+            const auto remote = instance.remotes.find(identity);
+            if (remote != instance.remotes.end())
+                note_refusal(remote->second.text, peer->second.name, kExpired);
+        }
         instance.peers.erase(identity);
         instance.forget(identity);
     }
@@ -278,6 +293,26 @@ std::string guid_text(const std::uint8_t* prefix) {
         return value;
     };
     return fmt::format("{:x}:{:x}:{:x}", word(0), word(4), word(8));
+}
+
+std::string plain_reason(const std::string& reason) {
+    constexpr const char* kOther = "its key is of another key store";
+    constexpr std::array<std::pair<std::string_view, const char*>, 5> kPlain{
+        {{"unable to get local issuer certificate", kOther},
+         {"certificate signature failure", kOther},
+         {"certificate revoked", kRevoked},
+         {"certificate has expired", kExpired},
+         {"Certificate expired", kExpired}}};
+    for (const auto& [theirs, ours] : kPlain)
+        if (reason.find(theirs) != std::string::npos) return ours;
+    return reason;
+}
+
+void note_refusal(const std::string& guid, const std::string& who, const std::string& why) {
+    constexpr std::size_t kMaxRefusals = 4096;  // they are untrusted
+    auto& refusals = process().refusals;
+    if (refusals.size() >= kMaxRefusals) refusals.clear();
+    refusals.insert_or_assign(guid, fmt::format("{} ({})", why, who));
 }
 
 void log_cut(const std::string& who, const std::string& why) {

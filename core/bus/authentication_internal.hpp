@@ -26,6 +26,9 @@ using Plugin = dds_security_authentication;
 using Identity = DDS_Security_IdentityHandle;
 using Handshake = DDS_Security_HandshakeHandle;
 
+inline constexpr const char* kRevoked = "its key is revoked";
+inline constexpr const char* kExpired = "its key has expired";
+
 /// A program whose handshake has ended well.
 struct Peer {
     std::string name;  // "viewer bob"
@@ -143,6 +146,7 @@ struct Process {
     std::mutex mutex;  // guards all; never held during a call of Cyclone
     std::map<const Plugin*, Instance> instances;
     std::map<std::string, std::set<std::string>> refused;  // serial numbers by world
+    std::map<std::string, std::string> refusals;           // of participants by GUID: who and why
     HandshakeBudget budget;
     HeardPeers heard;  // has a lock of its own
 };
@@ -154,6 +158,13 @@ Process& process();
 std::string guid_text(const std::uint8_t* prefix);
 
 void log_cut(const std::string& who, const std::string& why);
+
+/// Keeps who is behind a GUID (guid_text) and why it was refused, for `refusal_of`. The caller
+/// holds `Process::mutex`.
+void note_refusal(const std::string& guid, const std::string& who, const std::string& why);
+
+/// A reason of Cyclone or OpenSSL in plain words, as far as it is known.
+std::string plain_reason(const std::string& reason);
 
 /// The functions of our plugins (security_plugin.cpp).
 int init(const char* argument, void** context, void* domain);

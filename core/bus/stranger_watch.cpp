@@ -43,6 +43,8 @@ std::string StrangerWatch::complaint_about(const dds_builtintopic_participant_t&
             "closed_world peer=\"{}\" reason=\"it tells nothing to programs without keys: if its "
             "world is closed, start this program with --security BUNDLE\"",
             who);
+    const std::string known = refusal_of(stranger.key);
+    if (!known.empty()) return fmt::format("refused peer=\"{}\" reason=\"{}\"", who, known);
     switch (standing_of(stranger.key)) {
         case Standing::kNoKeys:
             return fmt::format("refused peer=\"{}\" reason=\"it has no keys\"", who);
