@@ -73,7 +73,7 @@ DdsLog& DdsLog::of_process() {
     return *log;
 }
 
-void DdsLog::add(std::string_view line) {
+void DdsLog::add(std::string_view line, Clock::time_point now) {
     const std::string text = printable(line);
     if (is_told_better(text)) return;
     const std::string name = proven_name_in(text);
@@ -92,15 +92,16 @@ void DdsLog::add(std::string_view line) {
                                         "its network refuses: check --peers, --interface, cable "
                                         "and firewall (atrium doctor), with --join the tunnel "
                                         "(atrium tunnel status)",
-                                        address));
+                                        address),
+          now);
 }
 
-void DdsLog::add(const std::string& kind, const std::string& line) {
+void DdsLog::add(const std::string& kind, const std::string& line, Clock::time_point now) {
     const std::lock_guard lock(mutex_);
-    count(kind, line);
+    count(kind, line, now);
 }
 
-void DdsLog::count(const std::string& kind, const std::string& line) {
+void DdsLog::count(const std::string& kind, const std::string& line, Clock::time_point now) {
     const auto found = kinds_.find(kind);
     if (found == kinds_.end() && kinds_.size() >= kMaxKinds)
         std::erase_if(kinds_, [this](const auto& old) {
@@ -112,6 +113,7 @@ void DdsLog::count(const std::string& kind, const std::string& line) {
     }
     Kind& entry = kinds_[kind];
     ++entry.num_new;
+    entry.added = now;
     if (entry.line.empty()) entry.line = line;
 }
 
@@ -124,7 +126,12 @@ std::vector<std::string> DdsLog::take(Clock::time_point now) {
         if (entry.num_new == 0 || (!is_first && now - entry.logged < kPeriod)) continue;
         const std::size_t num = std::exchange(entry.num_new, 0);
         entry.logged = now;
-        lines.push_back(num > 1 ? fmt::format("{} times={}", entry.line, num) : entry.line);
+        std::string line = entry.line;
+        if (num > 1) line += fmt::format(" times={}", num);
+        // held back, it may be about somebody who has left or was let in meanwhile
+        const auto age = std::chrono::duration_cast<std::chrono::seconds>(now - entry.added);
+        if (!is_first && age.count() > 0) line += fmt::format(" ago_s={}", age.count());
+        lines.push_back(std::move(line));
     }
     if (const std::size_t num = std::exchange(num_of_other_kinds_, 0); num > 0)
         lines.push_back(fmt::format("dds further_messages={}", num));

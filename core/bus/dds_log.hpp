@@ -17,10 +17,13 @@ public:
     using Clock = std::chrono::steady_clock;
 
     /// Adds a line that Cyclone logs.
-    void add(std::string_view line);
+    void add(std::string_view line, Clock::time_point now = Clock::now());
     /// Adds a line of ours. Lines of the same `kind` count as repetitions.
-    void add(const std::string& kind, const std::string& line);
-    /// Returns the lines to log since the last call.
+    void add(const std::string& kind,
+             const std::string& line,
+             Clock::time_point now = Clock::now());
+    /// Returns the lines to log since the last call: with their number, if there are several, and
+    /// the seconds since the last one, if it was held back.
     std::vector<std::string> take(Clock::time_point now);
 
     /// The log of this process. The first call directs Cyclone's messages to it.
@@ -35,9 +38,12 @@ private:
     struct Kind {
         std::string line;            // what to log
         std::size_t num_new = 0;     // since it was last logged
+        Clock::time_point added{};   // the last time
         Clock::time_point logged{};  // zero: never
     };
-    void count(const std::string& kind, const std::string& line);  // `mutex_` is held
+    void count(const std::string& kind,
+               const std::string& line,
+               Clock::time_point now);  // `mutex_` is held
     std::mutex mutex_;
     std::map<std::string, Kind> kinds_;
     Clock::time_point taken_{};           // the last time

@@ -33,6 +33,21 @@ TEST(DdsLog, ReportsAnUnreachablePeerOnceAndThenOncePerMinute) {
     EXPECT_THAT(log.take(kStart + 200s), IsEmpty()) << "nothing new";
 }
 
+TEST(DdsLog, SaysHowLongAgoALateRepetitionWas) {
+    DdsLog log;
+    const auto refuse = [&log](std::chrono::seconds after) {
+        log.add("keys bob", "refused peer=\"bob\"", kStart + after);
+    };
+    refuse(0s);
+    EXPECT_THAT(log.take(kStart + 2s), ElementsAre("refused peer=\"bob\"")) << "not held back";
+    for (const auto after : {3s, 10s, 16s}) refuse(after);
+    EXPECT_THAT(log.take(kStart + 62s), ElementsAre("refused peer=\"bob\" times=3 ago_s=46"));
+    refuse(120s);
+    EXPECT_THAT(log.take(kStart + 125s), ElementsAre("refused peer=\"bob\" ago_s=5"));
+    refuse(190s);
+    EXPECT_THAT(log.take(kStart + 190s), ElementsAre("refused peer=\"bob\"")) << "just now";
+}
+
 TEST(DdsLog, TellsPeersAndMessagesApart) {
     DdsLog log;
     log.add("ddsi_udp_conn_write to udp/10.0.0.7:7411 failed with retcode -1");
