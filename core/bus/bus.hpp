@@ -71,9 +71,10 @@ public:
     /// a second. Thread-safe.
     std::vector<std::string> take_dds_log() const;
 
-    /// Returns where this program is, for the log: "world=atrium domain=0 network=lan", and other
-    /// worlds of which `take_mismatches` saw programs: "other_worlds=studio,lab". If this world's
-    /// name may be a misspelling of one of them, also "did_you_mean=studio". Thread-safe.
+    /// Returns where this program is, for the log: "world=atrium domain=0 network=lan", with advice
+    /// if that is this host only, and other worlds of which `take_mismatches` saw programs:
+    /// "other_worlds=studio,lab". If this world's name may be a misspelling of one of them, also
+    /// "did_you_mean=studio". Thread-safe.
     std::string place() const;
     /// Worlds of which `take_mismatches` saw programs. Thread-safe.
     OtherWorlds other_worlds() const;

@@ -18,6 +18,8 @@ namespace atrium::bus {
 
 namespace {
 
+constexpr const char* kOnlyThisHost = " (this host only: --network lan for others)";
+
 dds_duration_t to_dds(std::chrono::nanoseconds duration) {
     return duration == kForever ? DDS_INFINITY : duration.count();
 }
@@ -158,10 +160,11 @@ Expected<Participant> Participant::create(const BusOptions& given) {
                  std::move(*profiles),
                  report_network(*network),
                  options.world,
-                 fmt::format("world={} domain={} network={}{}",
+                 fmt::format("world={} domain={} network={}{}{}",
                              options.world,
                              options.domain,
                              options.network,
+                             options.network == "loopback" ? kOnlyThisHost : "",
                              options.join.empty() ? "" : " tunnel=\"atrium tunnel status\""),
                  std::move(*participant),
                  std::move(*publisher),

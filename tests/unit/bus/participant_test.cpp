@@ -42,6 +42,14 @@ Error error_of(const BusOptions& options) {
     return participant ? Error{ErrorKind::kInternal, "no error"} : participant.error();
 }
 
+TEST(Participant, SaysThatLoopbackIsThisHostOnly) {
+    const BusOptions options = own_world("place");
+    const auto participant = value(Participant::create(options));
+    EXPECT_EQ(participant.place(),
+              "world=" + options.world +
+                  " domain=101 network=loopback (this host only: --network lan for others)");
+}
+
 TEST(Participant, NamesBadOptions) {
     BusOptions options = own_world("options");
     options.world = "*";
