@@ -9,6 +9,13 @@
 #include <cstdlib>
 
 namespace atrium::bus {
+namespace {
+
+constexpr const char* kVariable = "ATRIUM_SECURITY";
+// A script's variable that is not set must not open the world.
+constexpr const char* kGiveKeys = "give a bundle of `atrium keys`, or `none` for an open world";
+
+}  // namespace
 
 void declare(BusOptions& options, config::OptionSet& set) {
     set.add("bus.world",
@@ -40,37 +47,47 @@ void declare(BusOptions& options, config::OptionSet& set) {
         "bus.security",
         options.security,
         "keys of this program: a bundle of `atrium keys`; the world is then closed "
-        "to all without keys; empty: $ATRIUM_SECURITY",
+        "to all without keys; not given: $ATRIUM_SECURITY",
         {"none"});
     set.add_alias("security");
+    set.refuse_empty(kGiveKeys);
     set.add("bus.join",
             options.join,
             "invitation of `atrium keys invite`: the keys, and the way through the internet");
     set.add_alias("join");
+    set.refuse_empty("give an invitation of `atrium keys invite`, or leave the option out");
 }
 
 namespace {
 
-std::string file_of_bundle(const BusOptions& options) {
-    if (!options.join.empty()) return options.join;
-    const std::string& option = options.security;
-    if (!option.empty()) return option == "none" ? std::string() : option;
-    if (const char* file = std::getenv("ATRIUM_SECURITY"); file != nullptr && *file != '\0')
-        return std::string_view(file) == "none" ? std::string() : file;
+// Where the bundle is, and what says so, for errors.
+struct KeySource {
+    std::string file;  // empty: a world without keys
+    const char* name = "bus.security";
+};
+
+Expected<KeySource> source_of_keys(const BusOptions& options) {
+    const auto file_or_none = [](const std::string& text) {
+        return text == "none" ? std::string() : text;
+    };
+    if (!options.join.empty()) return KeySource{options.join, "bus.join"};
+    if (!options.security.empty()) return KeySource{file_or_none(options.security)};
+    if (const char* file = std::getenv(kVariable); file != nullptr) {
+        if (*file == '\0')
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format("{}: the variable is empty: {}; or unset it", kVariable, kGiveKeys));
+        return KeySource{file_or_none(file), kVariable};
+    }
     const char* credentials = std::getenv("CREDENTIALS_DIRECTORY");
-    if (credentials == nullptr) return {};
+    if (credentials == nullptr) return KeySource{};
     const std::filesystem::path file = std::filesystem::path(credentials) / "bundle";
     std::error_code error;
-    return std::filesystem::exists(file, error) ? file.string() : std::string();
+    return KeySource{std::filesystem::exists(file, error) ? file.string() : std::string()};
 }
 
-const char* option_with_keys(const BusOptions& options) {
-    return options.join.empty() ? "bus.security" : "bus.join";
-}
-
-tl::unexpected<Error> wrong_keys(const BusOptions& options, const std::string& what) {
-    return make_error(ErrorKind::kConfiguration,
-                      fmt::format("{}: {}", option_with_keys(options), what));
+tl::unexpected<Error> wrong_keys(const KeySource& source, const std::string& what) {
+    return make_error(ErrorKind::kConfiguration, fmt::format("{}: {}", source.name, what));
 }
 
 Expected<void> enter_tunnel(BusOptions& options,
@@ -104,9 +121,10 @@ Expected<void> enter_tunnel(BusOptions& options,
 
 Expected<void> enter_keys(BusOptions& options) {
     if (options.keys) return {};
-    const std::string file = file_of_bundle(options);
+    const auto source = source_of_keys(options);
+    if (!source) return tl::unexpected(source.error());
+    const auto& [file, key] = *source;
     if (file.empty()) return {};
-    const char* const key = option_with_keys(options);
     if (!options.join.empty() && !options.security.empty() && options.security != options.join)
         return make_error(ErrorKind::kConfiguration,
                           "bus.join: --security is given as well; an invitation has the keys, so "
@@ -120,7 +138,7 @@ Expected<void> enter_keys(BusOptions& options) {
                           fmt::format("{}: {}: {}", key, file, fine.error().message));
     const std::string& world = options.world;
     if (!world.empty() && world != BusOptions().world && world != member.world)
-        return wrong_keys(options,
+        return wrong_keys(*source,
                           fmt::format("{} has keys of the world '{}', and --world is '{}'; leave "
                                       "--world out, or take keys of that world",
                                       file,
@@ -136,12 +154,14 @@ Expected<void> enter_keys(BusOptions& options) {
 }
 
 Expected<void> enter_keys(BusOptions& options, keys::Kind kind, std::string& name) {
+    const auto found = source_of_keys(options);
     if (auto entered = enter_keys(options); !entered || !options.keys) return entered;
+    const KeySource source = found ? *found : KeySource{};
     const keys::Member& member = options.keys->member;
     if (member.kind != kind) {
         const bool has_name = kind != keys::Kind::kWorld;
         return wrong_keys(
-            options,
+            source,
             fmt::format(
                 "{} has the keys of {}, this program needs those of a {}: `atrium keys add {}{}`",
                 options.security,
@@ -152,7 +172,7 @@ Expected<void> enter_keys(BusOptions& options, keys::Kind kind, std::string& nam
     }
     if (name.empty()) name = member.name;
     if (name != member.name)
-        return wrong_keys(options,
+        return wrong_keys(source,
                           fmt::format("{} has the keys of {}, and this program is named '{}'; take "
                                       "the keys of '{}', or the name '{}'",
                                       options.security,

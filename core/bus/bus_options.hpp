@@ -14,7 +14,8 @@ void declare(BusOptions& options, config::OptionSet& set);
 /// sets `options.keys`, and `options.world` to its world. With `options.join` also sets network,
 /// interface and peers to those of its tunnel. Does nothing if there is no bundle. Fails as
 /// keys::read_bundle and keys::check do, with kConfiguration if `options.world` is set to another
-/// world or there is no tunnel in the file, with kUnavailable if the tunnel is not up.
+/// world, there is no tunnel in the file or the variable is set and empty, with kUnavailable if the
+/// tunnel is not up. Errors begin with the option or variable that names the bundle.
 Expected<void> enter_keys(BusOptions& options);
 
 /// As `enter_keys` for a program whose keys must be of `kind`, and with its name: an empty one

@@ -167,6 +167,22 @@ void OptionSet::add_own(const std::string& key,
 
 void OptionSet::add_alias(const std::string& name) { entries_.back().alias = name; }
 
+void OptionSet::refuse_empty(const std::string& advice) {
+    Entry& entry = entries_.back();
+    const std::string problem = "is empty: " + advice;
+    entry.read = [key = entry.key, problem, read = std::move(entry.read)](TableReader& reader) {
+        std::string text = "absent";
+        reader.read(key, text);
+        if (text.empty()) return reader.reject(key, problem);
+        read(reader);
+    };
+    entry.parse = [problem,
+                   parse = std::move(entry.parse)](const std::string& text) -> Expected<void> {
+        if (text.empty()) return make_error(ErrorKind::kConfiguration, problem);
+        return parse(text);
+    };
+}
+
 void OptionSet::show(const std::string& key, std::function<std::string()> current) {
     std::string declared = current();
     shown_.push_back({key, std::move(current), std::move(declared)});

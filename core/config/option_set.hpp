@@ -61,6 +61,8 @@ public:
     /// Makes `--name`, or `-n` for one letter, an alias of the last added option on the command
     /// line.
     void add_alias(const std::string& name);
+    /// Makes an empty text for the last added option, a string, an error: "is empty: `advice`".
+    void refuse_empty(const std::string& advice);
 
     /// Adds a line to `effective()` for a value that is not an option, because only a file can set
     /// it.

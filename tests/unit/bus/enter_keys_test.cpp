@@ -105,8 +105,6 @@ TEST_F(EnterKeys, DoesNothingWithoutABundle) {
     EXPECT_EQ(entered(), "none");
     EXPECT_EQ(options_.world, BusOptions().world);
     EXPECT_EQ(options_.security, "");
-    security_.set("");
-    EXPECT_EQ(entered(), "none");
     credentials_.set(credentials_of(""));
     EXPECT_EQ(entered(), "none");
     std::string name = "eve";
@@ -130,14 +128,81 @@ TEST_F(EnterKeys, PrefersTheOptionAndThenTheVariable) {
     credentials_.set(credentials_of("alice"));
     EXPECT_EQ(entered(), "alice");
     options_ = {};
-    security_.set("");
-    EXPECT_EQ(entered(), "alice") << "an empty variable is none";
-    options_ = {};
     security_.set(bundles().file("mona.bundle"));
     EXPECT_EQ(entered(), "mona");
     options_ = {};
     options_.security = bundles().file("bob.bundle");
     EXPECT_EQ(entered(), "bob");
+}
+
+// A script whose own variable is not set must not open the world.
+TEST_F(EnterKeys, RefusesAnEmptyVariable) {
+    security_.set("");
+    for (const std::string& credentials : {std::string(), credentials_of("alice")}) {
+        if (!credentials.empty()) credentials_.set(credentials);
+        const Error error = error_of_entering();
+        EXPECT_EQ(error.kind, ErrorKind::kConfiguration);
+        EXPECT_THAT(error.message,
+                    AllOf(HasSubstr("ATRIUM_SECURITY: "),
+                          HasSubstr("is empty: give a bundle"),
+                          HasSubstr("`none` for an open world")));
+    }
+    std::string name;
+    EXPECT_FALSE(enter_keys(options_, Kind::kViewer, name));
+    options_.security = bundles().file("bob.bundle");
+    EXPECT_EQ(entered(), "bob") << "the option counts before the variable";
+}
+
+TEST_F(EnterKeys, RefusesEmptyOptionsWithTheirPlace) {
+    config::OptionSet set;
+    declare(options_, set);
+    for (const std::string key : {"bus.security", "bus.join"}) {
+        const auto given = set.set(key, "", "--" + key);
+        ASSERT_FALSE(given) << key;
+        EXPECT_EQ(given.error().kind, ErrorKind::kConfiguration);
+        EXPECT_THAT(given.error().message, HasSubstr("--" + key + ": is empty: give a"));
+        const std::string text = "[bus]\nworld = \"playroom\"\n" + key.substr(4) + " = \"\"\n";
+        auto reader = config::TableReader::parse(text, "site.toml").value();
+        set.read_file(reader);
+        const auto read = reader.finish();
+        ASSERT_FALSE(read) << key;
+        EXPECT_EQ(read.error().kind, ErrorKind::kConfiguration);
+        EXPECT_THAT(read.error().message, HasSubstr("site.toml:3: " + key + ": is empty: give a"));
+    }
+    EXPECT_THAT(set.set("bus.security", "", "--bus.security").error().message,
+                HasSubstr("`none` for an open world"));
+    EXPECT_TRUE(set.set("bus.security", "none", "--bus.security"));
+    auto absent = config::TableReader::parse("[bus]\nworld = \"playroom\"\n", "site.toml").value();
+    set.read_file(absent);
+    EXPECT_TRUE(absent.finish());
+}
+
+TEST_F(EnterKeys, NamesTheVariableInErrors) {
+    const auto message_with = [this](const std::string& file) {
+        security_.set(file);
+        options_ = {};
+        return error_of_entering().message;
+    };
+    EXPECT_THAT(message_with((folder_ / "none.bundle").string()),
+                AllOf(HasSubstr("ATRIUM_SECURITY: "), HasSubstr("none.bundle: cannot be read")));
+    const fs::path file = folder_ / "x.bundle";
+    fs::copy_file(bundles().file("bob.bundle"), file);
+    ::chmod(file.c_str(), 0644);
+    EXPECT_THAT(message_with(file.string()), HasSubstr("ATRIUM_SECURITY: " + file.string() + ": "));
+    ::chmod(file.c_str(), 0600);
+    fs::resize_file(file, 300);
+    EXPECT_THAT(message_with(file.string()), HasSubstr("ATRIUM_SECURITY: " + file.string() + ": "));
+    security_.set(bundles().file("bob.bundle"));
+    options_.world = "studio";
+    EXPECT_THAT(error_of_entering().message, HasSubstr("ATRIUM_SECURITY: "));
+    options_ = {};
+    std::string name;
+    EXPECT_THAT(enter_keys(options_, Kind::kSite, name).error().message,
+                HasSubstr("ATRIUM_SECURITY: "));
+    options_ = {};
+    name = "eve";
+    EXPECT_THAT(enter_keys(options_, Kind::kViewer, name).error().message,
+                HasSubstr("ATRIUM_SECURITY: "));
 }
 
 TEST_F(EnterKeys, IsTurnedOffByNone) {

@@ -93,6 +93,28 @@ TEST(OptionSet, KeepsWordsAndResolvesPathsFromTheFolderOfTheFile) {
     std::filesystem::remove_all(folder);
 }
 
+TEST(OptionSet, RefusesEmptyTextsWhereTheyAreMarked) {
+    std::string keys = "before";
+    OptionSet set;
+    set.add_word_or_path("bus.keys", keys, "which", {"none"});
+    set.refuse_empty("give a file");
+    const auto given = set.set("bus.keys", "", "--bus.keys");
+    ASSERT_FALSE(given);
+    EXPECT_EQ(given.error().message, "--bus.keys: is empty: give a file");
+    const auto read = [&](const std::string& text) {
+        auto reader = TableReader::parse(text, "c.toml");
+        set.read_file(*reader);
+        const auto finished = reader->finish();
+        return finished ? std::string() : finished.error().message;
+    };
+    EXPECT_THAT(read("[bus]\nkeys = \"\""), HasSubstr("c.toml:2: bus.keys: is empty: give a file"));
+    EXPECT_THAT(read("[bus]\nkeys = 5"), HasSubstr("must be a string"));
+    EXPECT_EQ(read(""), "");
+    EXPECT_EQ(keys, "before");
+    EXPECT_EQ(read("[bus]\nkeys = \"none\""), "");
+    EXPECT_EQ(keys, "none");
+}
+
 TEST(OptionSet, ListsTheEffectiveValues) {
     Options options;
     const OptionSet set = declare(options);
