@@ -6,6 +6,8 @@
 namespace atrium::test {
 namespace {
 
+using testing::Not;
+
 Timestamp last_heard(const std::string& output) {
     const std::string word = "last_heard_ns ";
     const auto at = output.find(word);
@@ -49,13 +51,15 @@ TEST_F(ClosedWorldTest, KeysOfAnotherStoreAreRefused) {
     attack(world().write("foreign.bundle", bundle), and_reads(kMeshesAsAlice));
     let_pass();
     // Chance decides who begins the handshake. If the attacker refuses first, it says nothing.
-    const std::string silent =
-        fmt::format("pid {}\" reason=\"no handshake comes about", attacker_->id());
+    const std::string process = fmt::format("pid {}\" reason=", attacker_->id());
+    const std::string why = "\"its key is of another key store";
     EXPECT_TRUE(world().wait_until([&] {
         const std::string logs = world().logs();
-        return logs.find("refused peer=\"site alice of world playroom, by its own words\"") !=
-                   std::string::npos ||
-               logs.find(silent) != std::string::npos;
+        const std::string who = "site alice of world playroom, by its own words";
+        return (logs.find("refused peer=\"" + who + "\" reason=" + why + "\"") !=
+                    std::string::npos &&
+                logs.find(process + why + " (" + who + ")\"") != std::string::npos) ||
+               logs.find(process + "\"no handshake comes about") != std::string::npos;
     })) << world().logs();
     end_deaf();
 }
@@ -66,6 +70,11 @@ TEST_F(ClosedWorldTest, RevokedKeyIsRefusedAndARunningProgramIsCutOff) {
     ASSERT_TRUE(world().wait_until([&] {
         return attacker_->output().find("hears") != std::string::npos;
     })) << attacker_->output();
+    const std::string process = fmt::format("pid {}\" reason=", attacker_->id());
+    const auto is_doubted = [&process] {  // perhaps at first: a handshake can take long
+        return world().logs().find(process + "\"no handshake comes about") != std::string::npos;
+    };
+    const bool was_doubted = is_doubted();
     value(world().store().revoke("eve", keys::Reason::kLost, Timestamp::now()));
     // only the world server gets the new list: the site hears of it from there
     world().export_bundle("playroom");
@@ -79,6 +88,10 @@ TEST_F(ClosedWorldTest, RevokedKeyIsRefusedAndARunningProgramIsCutOff) {
         },
         10s))
         << world().logs();
+    // of the program that goes on nobody says anything else than that
+    EXPECT_TRUE(log_has(process + "\"its key is revoked (viewer eve)\"")) << world().logs();
+    EXPECT_EQ(is_doubted(), was_doubted) << world().logs();
+    EXPECT_THAT(world().logs(), HasSubstr("revoked_keys new=1"));
     EXPECT_LT(last_heard(end()) - begin, 2s);
     attack(bundle, {"--read", "playroom/site/*"});  // again
     let_pass();
@@ -98,6 +111,24 @@ TEST_F(ClosedWorldTest, RevokedKeyIsRefusedAndARunningProgramIsCutOff) {
         << watch->output();
     watch->signal(SIGTERM);
     EXPECT_TRUE(watch->wait(20s));
+}
+
+TEST_F(ClosedWorldTest, WrongFileOverTheOwnBundleIsNamed) {
+    world().add(Kind::kViewer, "frank");
+    const fs::path file = world().folder() / "alice.bundle";
+    const auto alice_says = [](const std::string& text) {
+        return world().wait_until(
+            [&] { return world().alice().output().find(text) != std::string::npos; });
+    };
+    fs::permissions(file, fs::perms(0644));
+    EXPECT_TRUE(alice_says("bundle_not_read reason=\"" + file.string() + ": others can read"));
+    fs::permissions(file, fs::perms(0600));
+    EXPECT_TRUE(alice_says("bundle_good_again file=" + file.string()));
+    world().write("alice.bundle", keys::bundle_text(value(world().store().bundle("frank"))));
+    EXPECT_TRUE(alice_says("it is the bundle of viewer frank of world playroom, and this program"));
+    world().export_bundle("alice");
+    let_pass();
+    EXPECT_THAT(world().alice().output(), Not(HasSubstr("start this program again")));
 }
 
 TEST_F(ClosedWorldTest, KeyThatExpiresWhileItsProgramRunsIsCutOff) {
