@@ -122,6 +122,11 @@ void declare_hull(HullStageOptions& hull, config::OptionSet& set) {
             hull.min_views,
             "a point seen by fewer cameras is not in the hull; 0: off",
             {0, 64});
+    set.add("hull.refine",
+            hull.refine,
+            "of the hull: round its corners, where it lies outside of every smooth body with the "
+            "same silhouettes; or leave it exact",
+            {"round", "off"});
     set.add("hull.min_component_l",
             hull.min_component_l,
             "components smaller than this are dropped, unless phantoms are kept [l]",

@@ -101,6 +101,7 @@ std::uint64_t fingerprint(const HullStageOptions& options) {
     hash.add(std::uint64_t{options.min_views});
     hash.add(std::uint64_t{options.keep_phantoms ? 1U : 0U});
     hash.add_rounded(options.min_component_l);
+    hash.add(options.refine);
     hash.add(std::uint64_t{options.partial_views ? 1U : 0U});
     for (const std::string& name : options.whole_cameras) hash.add(name);
     for (const RegionOptions& region : options.regions) {
@@ -142,6 +143,7 @@ Expected<HullStage> HullStage::create(std::span<const geometry::CalibratedCamera
     stage.are_bounds_optional_ = options.bounds && !options.partial_views;
     stage.options_.min_views = options.min_views;
     stage.options_.keep_phantoms = options.keep_phantoms;
+    stage.rounds_corners_ = options.refine == "round";
     stage.options_.min_component_volume_m3 = options.min_component_l / kLitresPerM3;
     stage.min_delivered_ = std::max(kFewestViews, options.min_views);
     stage.views_.resize(cameras.size());
@@ -242,6 +244,22 @@ void HullStage::compute_within_bounds(Executor& executor, hull::VisualHull& hull
     hull::compute_visual_hull(pointers_, options_, hull_scratch_, executor, hull);
 }
 
+void HullStage::refine(hull::VisualHull& hull) {
+    if (regions_.empty()) {
+        rounding_.round(hull.mesh, pointers_);
+        return;
+    }
+    hull.mesh.clear();
+    for (std::size_t i = 0; i < regions_.size(); ++i) {
+        // the views of a region, as its hull was computed
+        region_views_.clear();
+        for (const std::uint32_t view : regions_[i].views) region_views_.push_back(pointers_[view]);
+        geometry::TriangleMesh& part = region_scratch_.parts[i].mesh;
+        rounding_.round(part, regions_[i].views.empty() ? pointers_ : region_views_);
+        geometry::append(hull.mesh, part);
+    }
+}
+
 void HullStage::compute(std::span<const std::uint8_t> delivered,
                         Executor& executor,
                         hull::VisualHull& hull) {
@@ -262,9 +280,10 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
     }
     if (regions_.empty()) {
         compute_within_bounds(executor, hull);
-        return;
+    } else {
+        hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
     }
-    hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
+    if (rounds_corners_ && hull.status == hull::HullStatus::kOk) refine(hull);
 }
 
 }  // namespace atrium::site_node

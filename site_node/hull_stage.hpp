@@ -4,6 +4,7 @@
 #include "core/base/expected.hpp"
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/pinhole_camera.hpp"
+#include "site_node/hull/corner_rounding.hpp"
 #include "site_node/hull/regions.hpp"
 #include "site_node/hull/visual_hull.hpp"
 
@@ -34,6 +35,8 @@ struct HullStageOptions {
     std::uint32_t min_views = 0;           // cameras that must see a point of the hull
     bool keep_phantoms = false;
     double min_component_l = 0.005;  // [l]
+    /// "round": corners move to where a smooth body would be (CornerRounding); "off": exact hull.
+    std::string refine = "off";
     /// False: nobody is outside a picture, and its border cuts the hull. True: space outside the
     /// pictures is unknown; needs bounds, here or in the rig.
     bool partial_views = false;
@@ -56,8 +59,8 @@ std::uint64_t fingerprint(const HullStageOptions& options);
 /// mesh.
 std::vector<std::string> overlapping_regions(std::span<const RegionOptions> regions);
 
-/// Computes the visual hull of all cameras from their contours. Any camera may be missing in any
-/// metaframe.
+/// Computes the visual hull of all cameras from their contours, and refines it. Any camera may be
+/// missing in any metaframe.
 class HullStage {
 public:
     /// `tolerance_px` is the tolerance of the silhouettes. Errors: kConfiguration, with the key and
@@ -90,6 +93,7 @@ public:
 private:
     HullStage() = default;
     void compute_within_bounds(Executor& executor, hull::VisualHull& hull);
+    void refine(hull::VisualHull& hull);
     Expected<void> add_regions(std::span<const geometry::CalibratedCamera> cameras,
                                const HullStageOptions& options);
     Expected<void> add_fields(std::span<const geometry::CalibratedCamera> cameras,
@@ -105,6 +109,9 @@ private:
     std::vector<const hull::SilhouetteView*> pointers_;
     hull::HullScratch hull_scratch_;
     hull::RegionScratch region_scratch_;
+    bool rounds_corners_ = false;
+    hull::CornerRounding rounding_;
+    std::vector<const hull::SilhouetteView*> region_views_;
 };
 
 }  // namespace atrium::site_node

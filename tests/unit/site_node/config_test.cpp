@@ -41,6 +41,7 @@ TEST(SiteConfig, TreatsSpaceOutsideThePicturesAsEmptyByDefault) {
     EXPECT_FALSE(hull.partial_views);
     EXPECT_EQ(hull.min_views, 0u);
     EXPECT_EQ(hull.min_component_l, 0.005);
+    EXPECT_EQ(hull.refine, "off");
     EXPECT_TRUE(hull.regions.empty());
     EXPECT_EQ(config->capture.min_cameras, 0);
 }
@@ -48,6 +49,7 @@ TEST(SiteConfig, TreatsSpaceOutsideThePicturesAsEmptyByDefault) {
 TEST(SiteConfig, ReadsBoundsAndPartialViews) {
     const auto config = parse(kRoom +
                               "min_cameras = 6\n[hull]\nmin_views = 3\nmin_component_l = 0.5\n"
+                              "refine = \"round\"\n"
                               "partial_views = true\nwhole_cameras = [\"top\"]\n"
                               "[hull.bounds]\nmin = [-1, -2, 0]\nmax = [1, 2, 2.5]\n");
     ASSERT_TRUE(config) << config.error().message;
@@ -57,6 +59,7 @@ TEST(SiteConfig, ReadsBoundsAndPartialViews) {
     EXPECT_EQ(hull.bounds->max, Eigen::Vector3d(1, 2, 2.5));
     EXPECT_EQ(hull.min_views, 3u);
     EXPECT_EQ(hull.min_component_l, 0.5);
+    EXPECT_EQ(hull.refine, "round");
     EXPECT_TRUE(hull.partial_views);
     EXPECT_THAT(hull.whole_cameras, ElementsAre("top"));
     EXPECT_EQ(config->capture.min_cameras, 6);

@@ -178,6 +178,50 @@ TEST_F(TwoBodies, AreComputedInTheirRegions) {
     }
 }
 
+TEST_F(TwoBodies, AreRoundedOnRequestInEachRegionAsAlone) {
+    const std::vector<std::uint8_t> all(8, 1);
+    HullStage exact = make_stage();
+    exact.compute(all, executor_, hull_);
+    const double exact_m3 = geometry::volume_m3(hull_.mesh);
+    options_.refine = "round";
+    HullStage rounded = make_stage();
+    rounded.compute(all, executor_, hull_);
+    ASSERT_EQ(hull_.status, hull::HullStatus::kOk);
+    const geometry::MeshReport report = geometry::inspect(hull_.mesh);
+    EXPECT_TRUE(report.manifold);
+    EXPECT_EQ(report.num_components, 2U);
+    EXPECT_LT(report.volume_m3, 0.95 * exact_m3);
+    double parts_m3 = 0.0;
+    for (const hull::VisualHull& part : rounded.region_hulls())
+        parts_m3 += geometry::volume_m3(part.mesh);
+    EXPECT_NEAR(parts_m3, report.volume_m3, 1e-9);
+
+    const double left_m3 = geometry::volume_m3(rounded.region_hulls()[0].mesh);
+    options_.regions.pop_back();
+    HullStage alone = make_stage();
+    alone.compute(all, executor_, hull_);
+    EXPECT_NEAR(geometry::volume_m3(hull_.mesh), left_m3, 1e-9);
+}
+
+TEST_F(TwoBodies, AreRoundedWithoutRegions) {
+    options_.regions.clear();
+    HullStage exact = make_stage();
+    const std::vector<std::uint8_t> all(8, 1);
+    exact.compute(all, executor_, hull_);
+    const double exact_m3 = geometry::volume_m3(hull_.mesh);
+    options_.refine = "round";
+    HullStage rounded = make_stage();
+    rounded.compute(all, executor_, hull_);
+    EXPECT_TRUE(geometry::inspect(hull_.mesh).manifold);
+    EXPECT_LT(geometry::volume_m3(hull_.mesh), 0.99 * exact_m3);
+}
+
+TEST_F(TwoBodies, HaveAnotherFingerprintRounded) {
+    const std::uint64_t exact = fingerprint(options_);
+    options_.refine = "round";
+    EXPECT_NE(fingerprint(options_), exact);
+}
+
 TEST_F(TwoBodies, LoseARegionWithTooFewCamerasUntilTheyReturn) {
     HullStage stage = make_stage();
     std::vector<std::uint8_t> delivered(8, 1);
