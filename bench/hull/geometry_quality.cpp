@@ -7,6 +7,7 @@
 #include "simulation/look.hpp"
 #include "simulation/person.hpp"
 #include "simulation/room_renderer.hpp"
+#include "site_node/hull/corner_rounding.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "tests/support/shapes/solid_error.hpp"
@@ -14,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -35,11 +37,19 @@ struct Row {
     std::string look;
     std::string motion;
     double time_s = 0.0;
+    std::string shape;
+    std::size_t num_triangles = 0;
+    double work_ms = 0.0;  // to make it
     test::SolidError error;
 };
 
+double ms_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+        .count();
+}
+
 // The hull of true masks: what the geometry adds to the error, not the segmentation.
-hull::VisualHull hull_of(simulation::RoomRenderer& room, double time_s) {
+std::vector<hull::SilhouetteView> views_of(simulation::RoomRenderer& room, double time_s) {
     std::vector<hull::SilhouetteView> views;
     silhouette::SilhouetteScratch scratch;
     std::vector<silhouette::SilhouettePolygon> polygons;
@@ -53,24 +63,27 @@ hull::VisualHull hull_of(simulation::RoomRenderer& room, double time_s) {
         for (const auto& polygon : polygons) view.contours.push_back(polygon.vertices_px);
         views.push_back(std::move(view));
     }
-    hull::HullScratch hull_scratch;
-    return hull::compute_visual_hull(views, {}, hull_scratch);
+    return views;
 }
 
 void print(const Row& row) {
     const test::SolidError& e = row.error;
-    fmt::print("{},{},{:.2f},hull,{:.3f},{:.3f},{:.3f},{:.3f},{:.2f},{:.2f},{:.2f},{:.2f}\n",
-               row.look,
-               row.motion,
-               row.time_s,
-               e.true_volume_l,
-               e.volume_l,
-               e.excess_l,
-               e.missing_l,
-               e.mean_mm,
-               e.p95_mm,
-               e.true_mean_mm,
-               e.true_p95_mm);
+    fmt::print(
+        "{},{},{:.2f},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.2f},{:.2f},{:.2f},{:.2f}\n",
+        row.look,
+        row.motion,
+        row.time_s,
+        row.shape,
+        row.num_triangles,
+        row.work_ms,
+        e.true_volume_l,
+        e.volume_l,
+        e.excess_l,
+        e.missing_l,
+        e.mean_mm,
+        e.p95_mm,
+        e.true_mean_mm,
+        e.true_p95_mm);
     std::fflush(stdout);
 }
 
@@ -80,9 +93,16 @@ void measure(const std::string& look, const std::string& motion, const Options& 
     room_options.motion = motion;
     const auto rig = value_of(config::load_rig(options.rig));
     auto room = value_of(simulation::RoomRenderer::create(rig.cameras, room_options));
+    hull::HullScratch scratch;
+    hull::CornerRounding rounding;
     for (int i = 0; i < options.instants; ++i) {
         const double time_s = room_options.loop_s * (i + 0.5) / options.instants;
-        const hull::VisualHull hull = hull_of(room, time_s);
+        const std::vector<hull::SilhouetteView> views = views_of(room, time_s);
+        std::vector<const hull::SilhouetteView*> pointers;
+        for (const hull::SilhouetteView& view : views) pointers.push_back(&view);
+        const auto start = std::chrono::steady_clock::now();
+        const hull::VisualHull hull = hull::compute_visual_hull(views, {}, scratch);
+        const double hull_ms = ms_since(start);
         if (hull.status != hull::HullStatus::kOk) {
             fmt::print(stderr,
                        "{} {} at {:.2f} s: no hull: {}\n",
@@ -92,7 +112,24 @@ void measure(const std::string& look, const std::string& motion, const Options& 
                        hull::to_string(hull.status));
             std::exit(1);
         }
-        print({look, motion, time_s, test::compare_solids(room.person().mesh(time_s), hull.mesh)});
+        const geometry::TriangleMesh truth = room.person().mesh(time_s);
+        print({look,
+               motion,
+               time_s,
+               "hull",
+               hull.mesh.triangles.size(),
+               hull_ms,
+               test::compare_solids(truth, hull.mesh)});
+        geometry::TriangleMesh rounded = hull.mesh;
+        const auto rounding_start = std::chrono::steady_clock::now();
+        rounding.round(rounded, pointers);
+        print({look,
+               motion,
+               time_s,
+               "rounded",
+               rounded.triangles.size(),
+               hull_ms + ms_since(rounding_start),
+               test::compare_solids(truth, rounded)});
     }
 }
 
@@ -112,7 +149,8 @@ int run(int argc, char** argv) {
                    argv);
     if (!started.go_on) return started.exit_code;
     fmt::print(
-        "look,motion,time_s,shape,true_l,volume_l,excess_l,missing_l,mean_mm,p95_mm,"
+        "look,motion,time_s,shape,triangles,work_ms,true_l,volume_l,excess_l,missing_l,mean_mm,p95_"
+        "mm,"
         "true_mean_mm,true_p95_mm\n");
     for (const std::string& look : simulation::look_names()) {
         if (!options.look.empty() && look != options.look) continue;

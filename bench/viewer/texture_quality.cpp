@@ -43,6 +43,7 @@ struct Options {
     bool even_colours = true;
     bool needed_only = true;
     std::uint64_t repeats = 1;
+    std::string refine = "off";
 };
 
 const std::vector<std::string> kWays = {
@@ -211,6 +212,8 @@ private:
     int num_views_ = 0;
 };
 
+bool rounds(const Options& options) { return options.refine == "round"; }
+
 // Only one context exists at a time: each comparison ends before the next begins.
 void compare_all(const std::string& scene,
                  const test::ReceivedPerson& person,
@@ -245,7 +248,8 @@ void compare_full(const std::string& scene,
                   std::span<const TruePicture> truths,
                   const Options& options) {
     if (options.publishing != "half") return;
-    const auto person = value_of(test::receive_person(texturing, test::Publishing::kFull));
+    const auto person =
+        value_of(test::receive_person(texturing, test::Publishing::kFull, rounds(options)));
     compare_all(scene + " full", person, truths, options);
     Comparison comparison(scene + " full own", person, options, test::Sampling::kCentre);
     for (std::size_t i = 0; i < texturing.size(); ++i)
@@ -274,7 +278,8 @@ void compare_recording(const Options& options) {
     std::vector<TruePicture> held_back;
     for (std::size_t i = 0; i < pictures.size(); ++i)
         (i % 2 == 0 ? texturing : held_back).push_back(pictures[i]);
-    const auto person = value_of(test::receive_person(texturing, publishing(options)));
+    const auto person =
+        value_of(test::receive_person(texturing, publishing(options), rounds(options)));
     compare_all(name, person, held_back, options);
     compare_own(name, person, texturing, options);
     compare_full(name, texturing, held_back, options);
@@ -299,18 +304,11 @@ void compare_orbit(const Options& options,
                true_changes.largest,
                true_changes.largest_block,
                true_changes.mean);
-    fmt::print(
-        stderr,
-        "orbit: largest change {:.3f}, of the truth {:.3f}: {:.3f}; of blocks {:.1f}, {:.1f}: "
-        "{:.3f}; mean {:.3f}, {:.3f}\n",
-        shown.largest,
-        true_changes.largest,
-        shown.largest / true_changes.largest,
-        shown.largest_block,
-        true_changes.largest_block,
-        shown.largest_block / true_changes.largest_block,
-        shown.mean,
-        true_changes.mean);
+    fmt::print(stderr,
+               "orbit: largest change {:.3f} of the truth's; of blocks {:.3f}; mean {:.3f}\n",
+               shown.largest / true_changes.largest,
+               shown.largest_block / true_changes.largest_block,
+               shown.mean / true_changes.mean);
 }
 
 // Before a green screen, whose colour mixes into the pixels at the outline.
@@ -320,7 +318,8 @@ void compare_screen(const Options& options) {
     simulation::RoomOptions room;
     room.look = options.look;
     const auto texturing = value_of(test::film_before_screen(rig, room, kTime_s, rig));
-    const auto person = value_of(test::receive_person(texturing, publishing(options)));
+    const auto person =
+        value_of(test::receive_person(texturing, publishing(options), rounds(options)));
     const auto viewpoints = test::free_viewpoints(20, 1000, 800.0);
     auto views = value_of(test::film_before_screen(rig, room, kTime_s, viewpoints));
     show_person_alone(rig, room, kTime_s, views);
@@ -337,7 +336,8 @@ void compare_room(const Options& options) {
     room.look = options.look;
     std::vector<TruePicture> pictures = value_of(test::film_room(cameras, room, kTime_s));
     const std::span<const TruePicture> texturing(pictures.data(), rig.size());
-    const auto person = value_of(test::receive_person(texturing, publishing(options)));
+    const auto person =
+        value_of(test::receive_person(texturing, publishing(options), rounds(options)));
     // at its own pose, though, a camera's picture is the truth itself
     const std::vector<TruePicture> filmed(texturing.begin(), texturing.end());
     show_person_alone(rig, room, kTime_s, pictures);
@@ -363,6 +363,7 @@ int run(int argc, char** argv) {
         options.publishing,
         "of textures: at half or full resolution through the codec, or as the cameras have them",
         {"half", "full", "uncoded"});
+    set.add("refine", options.refine, "of the hull, as hull.refine of a site", {"off", "round"});
     set.add("only", options.only, "scenes whose names begin so: ring20, room, orbit, screen");
     set.add("pictures", options.pictures, "folder for pictures side by side: real, viewer, others");
     set.add("orbit-steps",

@@ -3,6 +3,7 @@
 #include "core/codec/texture_codec.hpp"
 #include "simulation/room_renderer.hpp"
 #include "site_node/capture/recording_source.hpp"
+#include "site_node/hull/corner_rounding.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/texture/texture.hpp"
@@ -99,7 +100,8 @@ Expected<std::vector<TruePicture>> load_pictures(const std::filesystem::path& re
 }
 
 Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
-                                        Publishing publishing) {
+                                        Publishing publishing,
+                                        bool rounds_corners) {
     ReceivedPerson person;
     std::vector<hull::SilhouetteView> views;
     silhouette::SilhouetteScratch scratch;
@@ -127,6 +129,11 @@ Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
     if (hull.status != hull::HullStatus::kOk)
         return make_error(ErrorKind::kInvalidData, hull::to_string(hull.status));
     person.mesh = std::move(hull.mesh);
+    if (rounds_corners) {
+        std::vector<const hull::SilhouetteView*> pointers;
+        for (const hull::SilhouetteView& view : views) pointers.push_back(&view);
+        hull::CornerRounding().round(person.mesh, pointers);
+    }
     return person;
 }
 

@@ -48,8 +48,9 @@ struct ReceivedPerson {
 };
 
 /// Computes silhouettes, hull and textures from `pictures` with the stages of a site. True masks
-/// replace the segmentation. The mesh is the hull without coding.
+/// replace the segmentation. The mesh is the hull without coding, with rounded corners on request.
 Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
-                                        Publishing publishing);
+                                        Publishing publishing,
+                                        bool rounds_corners = false);
 
 }  // namespace atrium::test
