@@ -51,7 +51,7 @@ bool CornerRounding::join_edges(const geometry::TriangleMesh& mesh) {
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t from = mesh.triangles[f][k];
             const std::uint32_t to = mesh.triangles[f][(k + 1) % 3];
-            half_edges_[first_edge_[std::min(from, to)]++] = {std::max(from, to), f, k};
+            half_edges_[first_edge_[std::min(from, to)]++] = {std::max(from, to), f, k, from < to};
         }
     }
     edges_.clear();
@@ -63,16 +63,10 @@ bool CornerRounding::join_edges(const geometry::TriangleMesh& mesh) {
             std::uint32_t e = first_edge_[v];
             while (e < edges_.size() && edges_[e].b != half.other) ++e;
             if (e == edges_.size()) {
-                edges_.push_back({v, half.other, {half.face, kNone}});
+                edges_.push_back({v, half.other, {half.face, kNone}, half.leaves_low});
             } else {
                 Edge& edge = edges_[e];
-                const auto& first = mesh.triangles[edge.faces[0]];
-                const bool first_leaves_a = std::ranges::any_of(std::array{0, 1, 2}, [&](int k) {
-                    return first[static_cast<std::size_t>(k)] == v &&
-                           first[static_cast<std::size_t>((k + 1) % 3)] == half.other;
-                });
-                const bool leaves_a = mesh.triangles[half.face][half.side] == v;
-                if (edge.faces[1] != kNone || first_leaves_a == leaves_a) return false;
+                if (edge.faces[1] != kNone || edge.first_leaves_a == half.leaves_low) return false;
                 edge.faces[1] = half.face;
             }
             edges_of_face_[half.face][half.side] = e;

@@ -59,6 +59,7 @@ private:
         std::uint32_t a = 0;  // a < b
         std::uint32_t b = 0;
         std::array<std::uint32_t, 2> faces{kNone, kNone};
+        bool first_leaves_a = false;  // the first face has it from a to b
     };
     // A camera whose faces meet at a corner.
     struct Meeting {
@@ -115,6 +116,7 @@ private:
         std::uint32_t other = 0;
         std::uint32_t face = 0;
         std::uint32_t side = 0;
+        bool leaves_low = false;
     };
     std::vector<HalfEdge> half_edges_;
     std::vector<std::uint32_t> first_half_;
