@@ -17,6 +17,7 @@ namespace atrium::keys {
 namespace {
 
 constexpr int kBundleFormat = 1;
+constexpr std::string_view kFirstWords = "# Keys of ";
 
 struct TextField {
     const char* key;
@@ -71,8 +72,9 @@ Expected<Validity> check_permissions(const Bundle& bundle, Timestamp now) {
 std::string bundle_text(const Bundle& bundle) {
     const Member& member = bundle.member;
     std::string text = fmt::format(
-        "# Keys of {}. Secret: with them anybody can join as this member.\n\nformat = {}\nworld = "
+        "{}{}. Secret: with them anybody can join as this member.\n\nformat = {}\nworld = "
         "\"{}\"\nkind = \"{}\"\nname = \"{}\"\nrights = \"{}\"\n",
+        kFirstWords,
         describe(member),
         kBundleFormat,
         member.world,
@@ -141,8 +143,12 @@ Expected<Bundle> parse_bundle(const std::string& text, const std::string& name) 
     return bundle;
 }
 
+bool is_bundle(const std::string& text) {
+    return text.starts_with(kFirstWords) || parse_bundle(text, {}).has_value();
+}
+
 Expected<Bundle> read_bundle(const std::filesystem::path& file) {
-    const auto text = read_private_file(file, kMaxBundleBytes);
+    const auto text = read_private_file(file, kMaxBundleBytes, is_bundle);
     if (!text) return tl::unexpected(text.error());
     return parse_bundle(*text, file.string());
 }

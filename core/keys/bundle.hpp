@@ -40,8 +40,12 @@ std::string bundle_text(const Bundle& bundle);
 /// checked.
 Expected<Bundle> parse_bundle(const std::string& text, const std::string& name);
 
+/// True if the text is a bundle, or begins as one: it may be cut off.
+bool is_bundle(const std::string& text);
+
 /// Reads a bundle that only its owner can read (core/keys/private_file.hpp), at most
-/// kMaxBundleBytes large. Errors name the file: those of read_private_file and parse_bundle.
+/// kMaxBundleBytes large. Errors name the file: those of read_private_file and parse_bundle. Of a
+/// file that is no bundle the mode does not matter.
 Expected<Bundle> read_bundle(const std::filesystem::path& file);
 
 /// Checks that a member can join its world with this bundle at the time `now`: certificates,

@@ -55,7 +55,9 @@ bool rename_without_replacing(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-Expected<std::string> read_private_file(const fs::path& file, std::size_t max_bytes) {
+Expected<std::string> read_private_file(const fs::path& file,
+                                        std::size_t max_bytes,
+                                        bool (*is_ours)(const std::string& text)) {
     const auto unreadable = [&](int error) {
         return make_error(ErrorKind::kNotFound,
                           file.string() + ": cannot be read: " + std::strerror(error) +
@@ -70,20 +72,26 @@ Expected<std::string> read_private_file(const fs::path& file, std::size_t max_by
     struct stat info {};
     if (::fstat(opened.get(), &info) != 0) return unreadable(errno);
     if (!S_ISREG(info.st_mode)) return refused("is not a file; give the path of a file with keys");
-    if (!is_private(info))
+    const auto open_to_others = [&] {
         return refused(
             fmt::format("others can read the private key in it (mode {:04o}); run "
                         "`chmod 600 '{}'`, and renew the key if somebody may have read "
                         "it",
                         info.st_mode & 07777U,
                         file.string()));
+    };
+    const bool is_open = !is_private(info);
+    if (is_open && is_ours == nullptr) return open_to_others();
     std::string text;
     std::array<char, 16384> part;
     for (;;) {
         const ssize_t num_bytes = ::read(opened.get(), part.data(), part.size());
         if (num_bytes < 0 && errno == EINTR) continue;
         if (num_bytes < 0) return unreadable(errno);
-        if (num_bytes == 0) return text;
+        if (num_bytes == 0) {
+            if (is_open && is_ours(text)) return open_to_others();
+            return text;
+        }
         text.append(part.data(), static_cast<std::size_t>(num_bytes));
         if (text.size() > max_bytes)
             return refused(

@@ -12,8 +12,11 @@ namespace atrium::keys {
 /// Reads a file that only its owner can read: mode 0600, 0400 or less. A credential of systemd is
 /// also accepted: 0440 of root. Fails with kNotFound if the file cannot be read, with
 /// kConfiguration if others can read it (the message has the command that mends it), if it is no
-/// regular file, or if it is larger than `max_bytes`.
-Expected<std::string> read_private_file(const std::filesystem::path& file, std::size_t max_bytes);
+/// regular file, or if it is larger than `max_bytes`. With `is_ours`, the mode counts only if it
+/// says so of the text: nobody may be told to close another file, such as /etc/passwd.
+Expected<std::string> read_private_file(const std::filesystem::path& file,
+                                        std::size_t max_bytes,
+                                        bool (*is_ours)(const std::string& text) = nullptr);
 
 enum class Existing : bool { kKeep, kReplace };
 

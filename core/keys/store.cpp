@@ -38,6 +38,13 @@ Expected<Descriptor> locked(const fs::path& folder, KeyStore::Access access) {
                                       folder.string(),
                                       std::strerror(errno),
                                       errno == ENOENT ? looked_up_from(folder) : ""));
+    // first: nobody may be told to close another folder, such as /etc
+    if (!is_key_store(folder))
+        return make_error(ErrorKind::kNotFound,
+                          fmt::format("{}: is no key store: it has no {}; give the folder that "
+                                      "`atrium keys init` made with --keys",
+                                      folder.string(),
+                                      kStoreFile));
     struct stat info {};
     if (::fstat(opened.get(), &info) != 0 || (info.st_mode & 077U) != 0)
         return make_error(ErrorKind::kConfiguration,
@@ -78,6 +85,11 @@ std::string_view state_text(State state) {
     return kTexts[static_cast<std::size_t>(state)];
 }
 
+bool is_key_store(const fs::path& folder) {
+    struct stat info {};
+    return ::stat((folder / kStoreFile).c_str(), &info) == 0 && S_ISREG(info.st_mode);
+}
+
 Expected<KeyStore> KeyStore::open(const fs::path& folder, Access access) {
     auto lock = locked(folder, access);
     if (!lock) return tl::unexpected(lock.error());
@@ -89,12 +101,7 @@ Expected<KeyStore> KeyStore::open(const fs::path& folder, Access access) {
 Expected<void> KeyStore::read_files() {
     const fs::path store_file = folder_ / kStoreFile;
     const auto text = read_private_file(store_file, kMaxFileBytes);
-    if (!text)
-        return make_error(text.error().kind,
-                          text.error().message +
-                              (text.error().kind == ErrorKind::kNotFound
-                                   ? "; give the folder that `atrium keys init` made with --keys"
-                                   : ""));
+    if (!text) return tl::unexpected(text.error());
     auto reader = config::TableReader::parse(*text, store_file.string());
     if (!reader) return tl::unexpected(reader.error());
     std::int64_t format = 0;

@@ -131,6 +131,9 @@ private:
     Timestamp end_;
 };
 
+/// True if the folder has the file that each key store has.
+bool is_key_store(const std::filesystem::path& folder);
+
 /// Checks a whole key store: also modes of files, and every member. Returns one sentence with the
 /// cure for each problem; none if all is well. Expired and revoked members are no problems.
 std::vector<std::string> problems_of_store(const std::filesystem::path& folder, Timestamp now);

@@ -36,7 +36,9 @@ std::vector<std::string> open_modes(const fs::path& folder) {
 }  // namespace
 
 std::vector<std::string> problems_of_store(const fs::path& folder, Timestamp now) {
-    std::vector<std::string> problems = open_modes(folder);
+    // of another folder open() says what it is
+    std::vector<std::string> problems =
+        is_key_store(folder) ? open_modes(folder) : std::vector<std::string>();
     if (!problems.empty()) return problems;  // the rest reads nothing that others could read
     const auto store = KeyStore::open(folder, KeyStore::Access::kRead);
     if (!store) return {store.error().message};

@@ -197,6 +197,23 @@ TEST_F(BundleFile, IsRefusedIfOthersCanReadIt) {
     }
 }
 
+// Nobody is told to close a file of the system.
+TEST_F(BundleFile, OfOtherFilesTheModeDoesNotMatter) {
+    for (const std::string& text : {std::string("root:x:0:0:root:/root:/bin/bash\n"),
+                                    std::string("format = 1\n"),
+                                    std::string("-----BEGIN PRIVATE KEY-----\n"),
+                                    std::string()}) {
+        const auto bundle = read_bundle(write(0644, text));
+        ASSERT_FALSE(bundle);
+        EXPECT_EQ(bundle.error().kind, ErrorKind::kInvalidData);
+        EXPECT_THAT(bundle.error().message,
+                    AllOf(HasSubstr("it must be the unchanged file"), Not(HasSubstr("chmod"))));
+    }
+    // cut off, and without its first line
+    for (const std::string& text : {text_.substr(0, 3000), text_.substr(text_.find("format = "))})
+        EXPECT_THAT(read_bundle(write(0644, text)).error().message, HasSubstr("chmod 600"));
+}
+
 TEST_F(BundleFile, IsReadAsACredentialOfSystemd) {
     const auto file = write(0440, text_);
     struct stat info {};

@@ -17,6 +17,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 namespace fs = std::filesystem;
@@ -189,6 +190,23 @@ TEST(KeyStore, IsRefusedIfOthersCanReadIt) {
                 ElementsAre(AllOf(HasSubstr("identity.key"), HasSubstr("chmod 600"))));
 }
 
+// Nobody is told to close a folder of the system, nor the files in it.
+TEST(KeyStore, IsNoOtherFolderWhateverItsMode) {
+    const test::TemporaryFolder folder;
+    const fs::path other = folder / "etc";
+    fs::create_directory(other);
+    std::ofstream(other / "passwd") << "root\n";
+    for (const mode_t mode : {0755U, 0700U}) {
+        ::chmod(other.c_str(), mode);
+        const auto opened = KeyStore::open(other, KeyStore::Access::kRead);
+        ASSERT_FALSE(opened);
+        EXPECT_EQ(opened.error().kind, ErrorKind::kNotFound);
+        EXPECT_THAT(opened.error().message,
+                    AllOf(HasSubstr("etc: is no key store"), Not(HasSubstr("chmod"))));
+        EXPECT_THAT(problems_of_store(other, kNow), ElementsAre(opened.error().message));
+    }
+}
+
 TEST(KeyStore, NamesWhatIsWrongInIt) {
     const test::TemporaryFolder folder;
     const fs::path path = folder / "a.keys";
@@ -220,7 +238,8 @@ TEST(KeyStore, NamesWhatIsWrongInIt) {
         other / "a.keys" / "crl.pem", path / "crl.pem", fs::copy_options::overwrite_existing);
     EXPECT_THAT(problems_of_store(path, kNow), ElementsAre(HasSubstr("crl.pem")));
     fs::remove(path / "store.toml");
-    EXPECT_THAT(problems_of_store(path, kNow), ElementsAre(HasSubstr("store.toml")));
+    EXPECT_THAT(problems_of_store(path, kNow),
+                ElementsAre(AllOf(HasSubstr("is no key store"), HasSubstr("no store.toml"))));
 }
 
 TEST(KeyStore, IgnoresWhatACrashLeft) {
