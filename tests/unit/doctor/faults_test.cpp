@@ -160,6 +160,18 @@ TEST(DoctorHealthy, SaysThatKeysNeedRoot) {
     EXPECT_EQ(describe(facts).back().value, "unknown: /etc/atrium/keys needs root");
 }
 
+TEST(DoctorHealthy, SaysWhoseBundleItIs) {
+    Facts facts;
+    facts.keys.emplace();
+    facts.keys->folder = "alice.bundle";
+    facts.keys->is_there = true;
+    facts.keys->certificates = {{"alice.bundle", {}, {}, "site alice of world playroom"}};
+    EXPECT_EQ(describe(facts).back().value,
+              "1 certificate in alice.bundle: site alice of world playroom");
+    facts.keys->certificates.assign(10, facts.keys->certificates.front());
+    EXPECT_THAT(describe(facts).back().value, HasSubstr(", 2 more"));
+}
+
 TEST(DoctorText, WrapsSentencesButNoCommand) {
     FakeHost host(faults_folder("text"));
     host.write("/proc/sys/net/core/rmem_max", "212992");

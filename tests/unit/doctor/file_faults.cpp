@@ -85,6 +85,13 @@ std::vector<Fault> key_faults() {
                      "atrium keys renew alice"),
         bundle_fault(
             "OpenBundle", "bundle_not_usable", 1, 300, 0644, "others can read it", "chmod 600 "),
+        {"FileThatIsNoBundle",
+         "bundle_not_usable",
+         [](FakeHost& host, Options& options) {
+             options.keys = host.write_beside("etc/passwd", "root:x:0:0:root:/root:/bin/sh\n");
+         },
+         "is no bundle of keys",
+         "atrium keys export NAME -o NAME.bundle"},
         key_fault("KeyExpired",
                   "key_expired",
                   dates(-400, -35),
@@ -105,16 +112,40 @@ std::vector<Fault> key_faults() {
                   {127, ""},
                   "unknown without openssl",
                   "sudo apt install openssl"),
+        {"BundleRevokedByTheStoreBesideIt",
+         "bundle_not_usable",
+         [](FakeHost& host, Options& options) {
+             const Timestamp now = Timestamp::now();
+             const auto file = host.write_beside("keys/alice.bundle", "");
+             auto store = keys::KeyStore::create(
+                 file.parent_path() / "playroom.keys", "playroom", 3650, now);
+             (void)store->add({"playroom", keys::Kind::kSite, "alice", {}}, 365, now);
+             host.write_beside("keys/alice.bundle",
+                               keys::bundle_text(store->bundle("alice").value()));
+             ::chmod(file.c_str(), 0600);
+             (void)store->revoke("alice", keys::Reason::kLost, now);
+             options.keys = file;
+         },
+         "is revoked, says ",
+         "atrium keys renew alice --keys "},
+        {"NeitherBundleNorFolderOfKeys",
+         "keys_missing",
+         [](FakeHost& host, Options& options) {
+             const auto file = host.write_beside("keys/alice.bundle", "");
+             options.keys = file.parent_path() / "alice";
+         },
+         "alice.bundle? Give the path of one",
+         "sudo find /home /root /etc -name '*.bundle' -o -name '*.invitation'"},
         {"KeysMissing",
          "keys_missing",
-         [](FakeHost& host, Options& options) { options.keys = host.folder() / "no_keys"; },
+         [](FakeHost& host, Options& options) { options.keys = host.folder() / "no_keys" / ""; },
          "is not there",
          "sudo mkdir -m 700 -p "},
         {"KeysMissingWithTheGroupOfServices",
          "keys_missing",
          [](FakeHost& host, Options& options) {
              host.install();
-             options.keys = host.folder() / "no_keys";
+             options.keys = host.folder() / "no_keys" / "";
          },
          "is not there",
          "sudo install -d -m 0750 -o root -g atrium "},

@@ -1,4 +1,5 @@
 #include "tools/doctor/checks/checks.hpp"
+#include "tools/doctor/facts/collect.hpp"
 
 #include <fmt/format.h>
 
@@ -112,6 +113,13 @@ Renewal renewal_of(const Certificate& certificate) {
             "atrium keys renew " + certificate.member_name};
 }
 
+// Closes no file to others but a bundle: programs need to read what else it may be.
+std::string cure_of_bundle(const Certificate& certificate) {
+    const std::string file = shell_word(certificate.file.string());
+    if (certificate.member.empty()) return "atrium keys export NAME -o NAME.bundle";
+    return (certificate.is_open ? "chmod 600 " + file + "; " : "") + "atrium keys check " + file;
+}
+
 void check_certificate(const Certificate& certificate, const Facts& facts, Findings& findings) {
     const Renewal renewal = renewal_of(certificate);
     if (certificate.ends && *certificate.ends < facts.now) {
@@ -140,14 +148,24 @@ void check_certificate(const Certificate& certificate, const Facts& facts, Findi
                         std::ceil(days_between(facts.now, *certificate.begins))),
             "timedatectl && sudo timedatectl set-ntp true"));
     }
-    if (!certificate.problem.empty()) {
+    if (!certificate.revoked_by.empty()) {
+        findings.push_back(make_finding(
+            "bundle_not_usable",
+            fmt::format("The {} is revoked, says {}: if the member may take part, make a new one, "
+                        "export it and bring it here.",
+                        renewal.what,
+                        certificate.revoked_by.string()),
+            fmt::format(
+                "{} --keys {}", renewal.cure, shell_word(certificate.revoked_by.string()))));
+    } else if (!certificate.problem.empty()) {
         findings.push_back(make_finding(
             "bundle_not_usable",
             certificate.member.empty()
-                ? fmt::format("No bundle of `atrium keys`: {}.", certificate.problem)
+                ? fmt::format("No bundle of `atrium keys`: {}. On the computer of the "
+                              "world's owner export it, and bring it here.",
+                              certificate.problem)
                 : fmt::format("The {} is not usable: {}.", renewal.what, certificate.problem),
-            fmt::format("chmod 600 {0}; atrium keys check {0}",
-                        shell_word(certificate.file.string()))));
+            cure_of_bundle(certificate)));
     }
 }
 
@@ -164,6 +182,14 @@ Findings check_keys(const Facts& facts) {
                         "export it, and bring it here.",
                         keys.folder.string()),
             fmt::format("atrium keys export NAME -o {}", shell_word(keys.folder.string()))));
+    } else if (!keys.is_there && keys.folder.has_filename() && keys.folder != kKeys) {
+        findings.push_back(make_finding(
+            "keys_missing",
+            fmt::format("Neither a bundle nor a folder of keys is at {}{} Give the path of one: "
+                        "the command lists those of this host.",
+                        keys.folder.string(),
+                        keys.meant.empty() ? "." : ": " + keys.meant),
+            "sudo find /home /root /etc -name '*.bundle' -o -name '*.invitation'"));
     } else if (!keys.is_there) {
         findings.push_back(
             make_finding("keys_missing",

@@ -161,11 +161,15 @@ struct Certificate {
     std::string member{};
     std::string member_name{};
     std::string problem{};
+    bool is_open = false;  // others can read the bundle
+    // the key store beside the bundle that has revoked it; empty: none has
+    std::filesystem::path revoked_by{};
 };
 
 struct KeyFacts {
     std::filesystem::path folder;
     bool is_there = false;
+    std::string meant{};      // if it is not there: "did you mean bob.bundle?", or empty
     bool is_readable = true;  // by this user
     bool has_openssl = true;
     std::vector<Certificate> certificates;

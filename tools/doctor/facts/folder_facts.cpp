@@ -1,5 +1,7 @@
+#include "core/config/spelling.hpp"
 #include "core/keys/bundle.hpp"
 #include "core/keys/certificates.hpp"
+#include "core/keys/store.hpp"
 #include "tools/doctor/facts/collect.hpp"
 
 #include <fcntl.h>
@@ -55,6 +57,27 @@ bool is_private_key(const std::string& text) {
     return text.find("PRIVATE KEY-----") != std::string::npos;
 }
 
+// On the owner's computer bundles lie beside the key store, whose list of revoked keys is newer.
+// Empty: no store there has revoked it.
+std::filesystem::path store_that_revoked(const keys::Bundle& bundle,
+                                         const std::filesystem::path& file) {
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    const Timestamp now = Timestamp::now();
+    std::error_code failure;
+    std::filesystem::directory_iterator entry(folder, failure);
+    for (const std::filesystem::directory_iterator end; !failure && entry != end;
+         entry.increment(failure)) {
+        const std::filesystem::path& path = entry->path();
+        if (path.extension() != ".keys" || !keys::is_key_store(path)) continue;
+        const auto store = keys::KeyStore::open(path, keys::KeyStore::Access::kRead);
+        const auto own = store ? store->bundle(bundle.member.name) : Expected<keys::Bundle>();
+        if (!store || !own || own->identity_ca != bundle.identity_ca) continue;
+        const auto found = store->entry_of(bundle, now);
+        if (found && found->state == keys::State::kRevoked) return path.lexically_normal();
+    }
+    return {};
+}
+
 // A bundle, whose first certificate is not that of its member. nullopt: it is none and need not be
 // one.
 std::optional<Certificate> examine_bundle(const std::filesystem::path& file,
@@ -70,7 +93,9 @@ std::optional<Certificate> examine_bundle(const std::filesystem::path& file,
     }
     certificate.member = keys::describe(bundle->member);
     certificate.member_name = bundle->member.name;
-    if ((mode & 077U) != 0) certificate.problem = "others can read it, and programs then refuse it";
+    certificate.is_open = (mode & 077U) != 0;
+    if (certificate.is_open)
+        certificate.problem = "others can read it, and programs then refuse it";
     const auto facts = keys::facts_of_certificate(bundle->certificate);
     if (!facts) {
         certificate.problem = facts.error().message;
@@ -81,6 +106,7 @@ std::optional<Certificate> examine_bundle(const std::filesystem::path& file,
     // what is wrong at any time, not only now
     const auto usable = keys::check(*bundle, facts->validity.begin);
     if (!usable && certificate.problem.empty()) certificate.problem = usable.error().message;
+    certificate.revoked_by = store_that_revoked(*bundle, file);
     return certificate;
 }
 
@@ -124,6 +150,7 @@ KeyFacts collect_keys(const System& system, const std::filesystem::path& where) 
     keys.is_readable =
         !keys.is_there ||
         faccessat(AT_FDCWD, where.c_str(), is_file ? R_OK : R_OK | X_OK, AT_EACCESS) == 0;
+    if (!keys.is_there) keys.meant = config::ask_which_path(where);
     const System files("/");
     for (const std::filesystem::path& file : files_with_keys(files, where)) {
         const std::string path = std::filesystem::absolute(file).string();

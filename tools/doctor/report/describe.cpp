@@ -107,7 +107,19 @@ std::string describe_folder(const std::optional<FolderFacts>& folder) {
 std::string describe_keys(const std::optional<KeyFacts>& keys) {
     if (!keys) return "not examined (--keys FOLDER)";
     if (!keys->is_readable) return fmt::format("unknown: {} needs root", keys->folder.string());
-    return fmt::format("{} certificates in {}", keys->certificates.size(), keys->folder.string());
+    constexpr std::size_t kMaxMembers = 8;
+    std::vector<std::string> members;
+    for (const Certificate& certificate : keys->certificates)
+        if (!certificate.member.empty()) members.push_back(certificate.member);
+    const std::size_t more = members.size() - std::min(members.size(), kMaxMembers);
+    members.resize(members.size() - more);
+    if (more > 0) members.push_back(fmt::format("{} more", more));
+    return fmt::format("{} certificate{} in {}{}{}",
+                       keys->certificates.size(),
+                       keys->certificates.size() == 1 ? "" : "s",
+                       keys->folder.string(),
+                       members.empty() ? "" : ": ",
+                       fmt::join(members, ", "));
 }
 
 }  // namespace
