@@ -1,5 +1,6 @@
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
+#include "core/app/usage_error.hpp"
 #include "tools/keys/commands.hpp"
 
 #include <CLI/CLI.hpp>
@@ -100,12 +101,15 @@ int run(int argc, char** argv) {
         "Exit codes: 0 done; 1 keys are damaged, expired or revoked; 2 wrong command line; 3 a "
         "file is missing, or another program holds the key store");
     Options options;
+    cli.add_option("--keys", options.keys, "the key store; also after COMMAND");
     for (const Named& named : kCommands)
         declare(*cli.add_subcommand(named.name, named.what), options, named.run);
     try {
         cli.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return cli.exit(error) == 0 ? 0 : 2;
+        if (error.get_exit_code() == 0) return cli.exit(error);  // --help, --version
+        fmt::print(stderr, "keys: error: {}\n", app::usage_error(cli, error));
+        return 2;
     }
     app::log::set_program("keys");
     app::log::set_level(app::log::Level::kWarn);

@@ -1,5 +1,6 @@
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
+#include "core/app/usage_error.hpp"
 #include "core/keys/bundle.hpp"
 #include "tools/tunnel/keeper.hpp"
 #include "tools/tunnel/tunnel.hpp"
@@ -52,7 +53,9 @@ int run(int argc, char** argv) {
     try {
         cli.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return cli.exit(error) == 0 ? 0 : 2;
+        if (error.get_exit_code() == 0) return cli.exit(error);  // --help, --version
+        fmt::print(stderr, "tunnel: error: {}\n", app::usage_error(cli, error));
+        return 2;
     }
     app::log::set_program("tunnel");
     if (cli.get_subcommands().empty())
