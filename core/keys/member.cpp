@@ -60,8 +60,10 @@ Expected<Rights> parse_rights(std::string_view text) {
     if (text == "none") return Rights();
     Rights rights;
     for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        const std::string_view word = text.substr(begin, end - begin);
+        const std::size_t end = std::min(text.find_first_of(",+", begin), text.size());
+        std::string_view word = text.substr(begin, end - begin);
+        word.remove_prefix(std::min(word.find_first_not_of(' '), word.size()));
+        word = word.substr(0, word.find_last_not_of(' ') + 1);
         if (word == "all") {
             rights = Rights::all();
         } else if (const auto right = find_right(word)) {

@@ -55,7 +55,8 @@ private:
 std::string rights_text(Rights rights);
 /// The rights of a text that `rights_text` made. Fails with kInvalidData for any other text.
 Expected<Rights> rights_of_text(std::string_view text);
-/// Reads rights as users write them: names with commas between them, in any order, "all" or "none".
+/// Reads rights as users write them: names with commas (spaces may follow) or '+' between them, in
+/// any order, "all" or "none".
 /// Fails with kConfiguration and the valid names.
 Expected<Rights> parse_rights(std::string_view text);
 

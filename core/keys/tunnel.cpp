@@ -55,7 +55,9 @@ Expected<std::string> parse_hub(const std::string& text) {
     const std::string host = text.substr(0, colon);
     const bool is_host = is_valid_name(host) || (host.size() > 63 && host.size() <= 253 &&
                                                  std::ranges::all_of(host, is_name_character));
-    if (!is_host || host.front() == '.' || host.front() == '-')
+    // "http://HOST" has no wrong port
+    const bool is_url = text.find('/') != std::string::npos;
+    if (!is_host || is_url || host.front() == '.' || host.front() == '-')
         return make_error(ErrorKind::kConfiguration,
                           fmt::format("hub: '{}' must be HOST or HOST:PORT, with the name or IPv4 "
                                       "address that others reach over the internet",

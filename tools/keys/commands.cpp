@@ -4,6 +4,7 @@
 #include "core/keys/private_file.hpp"
 #include "tools/keys/find_store.hpp"
 #include "tools/keys/listing.hpp"
+#include "tools/keys/next_steps.hpp"
 
 #include <fmt/format.h>
 
@@ -22,15 +23,6 @@ tl::unexpected<Error> missing(const std::string& what) {
     return make_error(ErrorKind::kConfiguration, what);
 }
 
-// With a place in the tunnel, the file is an invitation.
-std::string export_command(const Options& options,
-                           const std::string& name,
-                           const char* more = "",
-                           bool has_tunnel = false) {
-    const char* const kind = has_tunnel ? "invitation" : "bundle";
-    return command(options, fmt::format("export {} -o {}.{}{}", name, name, kind, more));
-}
-
 Expected<std::optional<Rights>> rights_of(const Options& options) {
     if (!options.rights) return std::optional<Rights>();
     return keys::parse_rights(*options.rights).map([](Rights rights) {
@@ -38,35 +30,22 @@ Expected<std::optional<Rights>> rights_of(const Options& options) {
     });
 }
 
-// Bundles carry the list of revoked certificates: the world server tells it to all others.
-std::string spread_list(const Options& options, const KeyStore& store, Timestamp now) {
-    const auto entries = store.entries(now);
-    if (!entries) return {};
-    std::string commands;
-    for (const Entry& entry : *entries) {
-        const bool is_used = entry.state == State::kValid || entry.state == State::kExpiresSoon;
-        if (!is_used || entry.member.kind != Kind::kWorld) continue;
-        if (store.hub().empty()) {
-            commands += "  " + export_command(options, entry.member.name, " --replace") + "\n";
-            continue;
-        }
-        const std::string file = entry.member.name + ".invitation";
-        commands += fmt::format(
-            "  {}\nand there, for the tunnel:\n  sudo atrium tunnel up {}\n",
-            command(options, fmt::format("export {} -o {} --replace", entry.member.name, file)),
-            file);
-    }
-    if (commands.empty())
-        return "Others refuse the old key when their bundles have the new list of revoked keys: "
-               "export them again, over the files that their programs were started with.\n";
-    return "Bring the new list of revoked keys to the world server, over the file that it was "
-           "started with. Two seconds later it and all others refuse the old key:\n" +
-           commands;
-}
-
 std::string days_left(Timestamp end, Timestamp now) {
     const auto days = (end - now) / std::chrono::hours(24);
     return fmt::format("{} day{}", days, days == 1 ? "" : "s");
+}
+
+// The place that an invitation has; a bundle for the same network has none.
+std::string tunnel_line(const keys::Bundle& bundle) {
+    if (!bundle.tunnel) return "none";
+    const keys::Tunnel& tunnel = *bundle.tunnel;
+    if (tunnel.is_hub())
+        return fmt::format("{}, the hub of {} other place{}, which they reach at {}",
+                           tunnel.own().address,
+                           tunnel.places.size() - 1,
+                           tunnel.places.size() == 2 ? "" : "s",
+                           tunnel.hub);
+    return fmt::format("{}, through the hub {}", tunnel.own().address, tunnel.hub);
 }
 
 Outcome check_store(const fs::path& folder, const Options& options, Timestamp now) {
@@ -108,6 +87,11 @@ std::string command(const Options& options, const std::string& rest) {
     const std::string folder =
         options.keys.empty() ? "" : fmt::format(" --keys '{}'", options.keys.string());
     return "atrium keys " + rest + folder;
+}
+
+Expected<void> check_output(const Options& options) {
+    if (options.output != "-") return {};
+    return missing("-o -: keys are secret and are not printed; give a file");
 }
 
 std::string described(const Entry& entry) {
@@ -160,8 +144,10 @@ Expected<Outcome> add(const Options& options, Timestamp now) {
     if (!member) return tl::unexpected(member.error());
     const auto entry = store->add(*member, options.days.value_or(keys::kMemberDays), now);
     if (!entry) return tl::unexpected(entry.error());
-    return Outcome{fmt::format(
-        "added {}\nnext: {}\n", described(*entry), export_command(options, member->name))};
+    const auto bundle = store->bundle(member->name);
+    if (!bundle) return tl::unexpected(bundle.error());
+    return Outcome{
+        fmt::format("added {}\nnext: {}\n", described(*entry), export_command(options, *bundle))};
 }
 
 Expected<Outcome> list(const Options& options, Timestamp now) {
@@ -180,13 +166,14 @@ Expected<Outcome> revoke(const Options& options, Timestamp now) {
         return missing("reason: " + config::must_be_one_of({"lost", "left"}, options.reason));
     auto store = open_store(options, KeyStore::Access::kWrite);
     if (!store) return tl::unexpected(store.error());
+    const auto before = store->bundle(options.name);  // with its place in the tunnel
+    if (!before) return tl::unexpected(before.error());
     const auto entry = store->revoke(options.name, *reason, now);
     if (!entry) return tl::unexpected(entry.error());
-    return Outcome{fmt::format("revoked {} ({})\n{}A new key for it: {}\n",
+    return Outcome{fmt::format("revoked {} ({})\n{}",
                                keys::describe(entry->member),
                                keys::reason_text(*reason),
-                               spread_list(options, *store, now),
-                               command(options, "renew " + options.name))};
+                               steps_after_revocation(options, *store, *before, now))};
 }
 
 Expected<Outcome> renew(const Options& options, Timestamp now) {
@@ -200,16 +187,14 @@ Expected<Outcome> renew(const Options& options, Timestamp now) {
     if (!entry) return tl::unexpected(entry.error());
     const auto bundle = store->bundle(options.name);
     if (!bundle) return tl::unexpected(bundle.error());
-    const bool has_tunnel = bundle->tunnel.has_value();
-    return Outcome{fmt::format("renewed {}\nnext: {}\n{}",
-                               described(*entry),
-                               export_command(options, options.name, " --replace", has_tunnel),
-                               spread_list(options, *store, now))};
+    return Outcome{fmt::format(
+        "renewed {}\n{}", described(*entry), steps_after_renewal(options, *store, *bundle, now))};
 }
 
 Expected<Outcome> export_bundle(const Options& options, Timestamp now) {
     if (options.name.empty()) return missing("NAME is missing: that of a member");
     if (options.output.empty()) return missing("-o is missing: the file to write");
+    if (auto fine = check_output(options); !fine) return tl::unexpected(fine.error());
     const auto store = open_store(options, KeyStore::Access::kRead);
     if (!store) return tl::unexpected(store.error());
     const auto bundle = store->bundle(options.name);
@@ -223,12 +208,13 @@ Expected<Outcome> export_bundle(const Options& options, Timestamp now) {
         !written)
         return tl::unexpected(written.error());
     return Outcome{
-        fmt::format("wrote {}: the keys{} of {}\n"
+        fmt::format("wrote {}: the keys{} of {}\n{}"
                     "It is secret: bring it only to the host of {}, for example with "
                     "scp -p, and delete it here.\n",
                     options.output.string(),
                     bundle->tunnel ? " and the tunnel" : "",
                     keys::describe(bundle->member),
+                    without_tunnel(options, *store, *bundle),
                     options.name)};
 }
 
@@ -236,9 +222,10 @@ Expected<Outcome> check(const Options& options, Timestamp now) {
     if (options.bundle.empty()) {
         const auto folder = find_store(options.keys);
         if (!folder) return tl::unexpected(folder.error());
-        std::error_code ignored;
-        if (!fs::exists(*folder, ignored))  // something missing is not a wrong store
-            return tl::unexpected(KeyStore::open(*folder, KeyStore::Access::kRead).error());
+        if (!keys::is_key_store(*folder)) {  // something missing is not a wrong store
+            const auto store = KeyStore::open(*folder, KeyStore::Access::kRead);
+            if (!store) return tl::unexpected(store.error());
+        }
         return check_store(*folder, options, now);
     }
     const auto bundle = keys::read_bundle(options.bundle);
@@ -273,7 +260,7 @@ Expected<Outcome> check(const Options& options, Timestamp now) {
     }
     return Outcome{
         fmt::format("{}: usable\nmember       {} {}\nworld        {}\nrights       {}\n"
-                    "valid until  {} ({})\nrevoked      {}\n",
+                    "valid until  {} ({})\nrevoked      {}\ntunnel       {}\n",
                     options.bundle.string(),
                     keys::kind_text(bundle->member.kind),
                     bundle->member.name,
@@ -281,7 +268,8 @@ Expected<Outcome> check(const Options& options, Timestamp now) {
                     shown_rights(bundle->member),
                     keys::time_text(usable->end),
                     days_left(usable->end, now),
-                    list)};
+                    list,
+                    tunnel_line(*bundle))};
 }
 
 }  // namespace atrium::keys_tool

@@ -48,6 +48,8 @@ Expected<Outcome> invite(const Options& options, Timestamp now);
 /// The member that `kind`, `name` and `rights` of the options describe, of that world.
 Expected<keys::Member> member_of(const Options& options, const std::string& world);
 Expected<keys::KeyStore> open_store(const Options& options, keys::KeyStore::Access access);
+/// Refuses "-": it would become a file of that name.
+Expected<void> check_output(const Options& options);
 /// "atrium keys REST", to copy, for the same store.
 std::string command(const Options& options, const std::string& rest);
 /// "viewer bob of world playroom with the rights grab,push, valid until 2027-11-24"

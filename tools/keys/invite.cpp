@@ -51,6 +51,20 @@ Expected<std::string> add_missing(KeyStore& store,
     return said;
 }
 
+// No --replace helps against a member of another kind.
+Expected<void> check_name(const KeyStore& store, const Member& member, Timestamp now) {
+    const auto entries = store.entries(now);
+    if (!entries) return tl::unexpected(entries.error());
+    for (const keys::Entry& other : *entries) {
+        if (other.member.name != member.name || other.member.kind == member.kind) continue;
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("the name {} is taken by a {}; choose another one",
+                                      member.name,
+                                      keys::kind_text(other.member.kind)));
+    }
+    return {};
+}
+
 std::string program_of(Kind kind) {
     switch (kind) {
         case Kind::kSite:
@@ -69,6 +83,7 @@ std::string program_of(Kind kind) {
 
 Expected<Outcome> invite(const Options& options, Timestamp now) {
     if (const auto fine = member_of(options, "world"); !fine) return tl::unexpected(fine.error());
+    if (auto fine = check_output(options); !fine) return tl::unexpected(fine.error());
     std::string hub;
     if (!options.hub.empty()) {
         const auto parsed = keys::parse_hub(options.hub);
@@ -84,6 +99,7 @@ Expected<Outcome> invite(const Options& options, Timestamp now) {
         return make_error(ErrorKind::kConfiguration,
                           "the tunnel has no hub yet: give the address of the world server's host, "
                           "as others reach it over the internet, with --hub HOST");
+    if (auto fine = check_name(*store, *member, now); !fine) return tl::unexpected(fine.error());
     const auto file = options.output.empty() ? std::filesystem::path(member->name + ".invitation")
                                              : options.output;
     std::error_code ignored;

@@ -60,6 +60,8 @@ TEST_F(Commands, SayWhatComesNext) {
                       HasSubstr("atrium keys export eve -o eve.bundle --keys '")));
     EXPECT_THAT(add_member("world", ""), HasSubstr("world server of world playroom, valid"));
     EXPECT_THAT(add_member("monitor", "mona"), HasSubstr("with the rights none"));
+    // as `list` shows them
+    EXPECT_THAT(add_member("viewer", "tim", "push+grab"), HasSubstr("with the rights push+grab"));
 }
 
 TEST_F(Commands, NameWhatIsMissing) {
@@ -68,6 +70,10 @@ TEST_F(Commands, NameWhatIsMissing) {
     EXPECT_THAT(add_member("viever", "x"), HasSubstr("did you mean viewer?"));
     EXPECT_THAT(revoke(named(""), kNow).error().message, HasSubstr("NAME is missing"));
     EXPECT_THAT(export_bundle(named("alice"), kNow).error().message, HasSubstr("-o is missing"));
+    Options printed = named("alice");
+    printed.output = "-";
+    EXPECT_THAT(export_bundle(printed, kNow).error().message, HasSubstr("-o -: keys are secret"));
+    EXPECT_FALSE(std::filesystem::exists("-"));
     EXPECT_THAT(init(Options(), kNow).error().message, HasSubstr("WORLD is missing"));
 }
 
@@ -151,7 +157,9 @@ TEST_F(Commands, TellHowOthersLearnOfARevocation) {
     EXPECT_THAT(value(revoke(named("bob"), kNow)).text,
                 AllOf(HasSubstr("revoked viewer bob of world playroom (lost)"),
                       HasSubstr("when their bundles have the new list"),
+                      HasSubstr("\n  atrium keys export alice -o alice.bundle --replace --keys '"),
                       Not(HasSubstr("export bob")),
+                      Not(HasSubstr("tunnel")),
                       HasSubstr("renew bob")));
     Options world = options_;
     world.kind = "world";
@@ -161,9 +169,27 @@ TEST_F(Commands, TellHowOthersLearnOfARevocation) {
     EXPECT_THAT(value(renew(options, kNow)).text,
                 AllOf(HasSubstr("with the rights add+remove+reset+push+grab+edit+save+record"),
                       HasSubstr("export bob -o bob.bundle --replace"),
+                      HasSubstr("start that program again: a running one keeps its old key"),
                       HasSubstr("export playroom -o playroom.bundle --replace")));
     options.reason = "replaced";
     EXPECT_THAT(revoke(options, kNow).error().message, HasSubstr("must be one of lost, left"));
+}
+
+// Its new file tells the others to refuse its old key, and with it the running world server.
+TEST_F(Commands, TellToStartARenewedWorldServerAgain) {
+    Options world = options_;
+    world.kind = "world";
+    value(add(world, kNow));
+    const std::string renewed = value(renew(named("playroom"), kNow)).text;
+    EXPECT_THAT(renewed,
+                AllOf(HasSubstr("export playroom -o playroom.bundle --replace"),
+                      HasSubstr("start the world server again at once"),
+                      Not(HasSubstr("Bring the new list"))));
+    EXPECT_THAT(value(revoke(named("playroom"), kNow)).text,
+                AllOf(HasSubstr("\n  atrium keys export alice -o alice.bundle --replace"),
+                      HasSubstr("\n  atrium keys export bob -o bob.bundle --replace"),
+                      Not(HasSubstr("export playroom")),
+                      HasSubstr("renew playroom")));
 }
 
 TEST_F(Commands, CheckTheWholeStore) {

@@ -186,10 +186,14 @@ TEST_F(Invite, NamesWhatIsMissingOrWrong) {
     EXPECT_THAT(said(inviting("viewer", "")), HasSubstr("NAME is missing"));
     EXPECT_FALSE(std::filesystem::exists(bob.output));
     said(inviting("viewer", "eve"));
-    EXPECT_THAT(said(inviting("site", "eve")), HasSubstr("eve.invitation: exists already"));
-    Options other = inviting("site", "eve");
-    other.replace = true;
-    EXPECT_THAT(said(other), HasSubstr("the name eve is taken by a viewer"));
+    EXPECT_THAT(said(inviting("site", "eve")),
+                AllOf(HasSubstr("the name eve is taken by a viewer"), Not(HasSubstr("--replace"))));
+    bob.hub = "http://studio";
+    EXPECT_THAT(said(bob), HasSubstr("must be HOST or HOST:PORT, with the name or IPv4 address"));
+    Options printed = inviting("viewer", "tim");
+    printed.output = "-";
+    EXPECT_THAT(said(printed), HasSubstr("-o -: keys are secret"));
+    EXPECT_FALSE(std::filesystem::exists("-"));
 }
 
 TEST_F(Invite, GivesARevokedMemberNoPlace) {
@@ -203,6 +207,52 @@ TEST_F(Invite, GivesARevokedMemberNoPlace) {
     EXPECT_THAT(places_in(hub.output), ElementsAre("playroom"));
     value(renew(bob, kNow));
     EXPECT_THAT(said(bob), HasSubstr("wrote "));
+}
+
+// Its tunnel key may be in other hands: it gets a new one by another invitation only.
+TEST_F(Invite, TellsThatARevokedMemberHasNoTunnelAnyMore) {
+    Options bob = inviting("viewer", "bob");
+    said(bob);
+    const std::string old_key = value(keys::read_bundle(bob.output)).tunnel->private_key;
+    const std::string cure = "atrium keys invite viewer bob --replace --keys '";
+    EXPECT_THAT(value(revoke(bob, kNow)).text,
+                AllOf(HasSubstr("new place in the tunnel: " + cure), HasSubstr("renew bob")));
+    EXPECT_THAT(value(renew(bob, kNow)).text,
+                AllOf(HasSubstr("It has no tunnel: bob has no place"), HasSubstr(cure)));
+    bob.replace = true;
+    EXPECT_THAT(value(export_bundle(bob, kNow)).text,
+                AllOf(HasSubstr("It has no tunnel: bob has no place"), HasSubstr(cure)));
+    Options look;
+    look.bundle = bob.output;
+    EXPECT_THAT(value(check(look, kNow)).text, HasSubstr("tunnel       none"));
+    EXPECT_THAT(said(bob), HasSubstr("wrote "));
+    EXPECT_NE(value(keys::read_bundle(bob.output)).tunnel->private_key, old_key);
+    EXPECT_THAT(value(export_bundle(bob, kNow)).text, Not(HasSubstr("no tunnel")));
+    EXPECT_THAT(value(check(look, kNow)).text,
+                AllOf(HasSubstr("tunnel       10."),
+                      HasSubstr(".2, through the hub studio.example.org:4711")));
+}
+
+TEST_F(Invite, CheckTellsThePlaceOfTheHub) {
+    said(inviting("viewer", "bob"));
+    Options hub = inviting("world", "playroom");
+    value(export_bundle(hub, kNow));
+    hub.bundle = hub.output;
+    EXPECT_THAT(
+        value(check(hub, kNow)).text,
+        HasSubstr(".1, the hub of 1 other place, which they reach at studio.example.org:4711"));
+}
+
+// A new tunnel key needs both ends.
+TEST_F(Invite, RenewalOfAPlaceNamesTheCommandsOfBothEnds) {
+    const Options bob = inviting("viewer", "bob");
+    said(bob);
+    EXPECT_THAT(value(renew(bob, kNow)).text,
+                AllOf(HasSubstr("export bob -o bob.invitation --replace"),
+                      HasSubstr("run `sudo atrium tunnel up bob.invitation` there, and start"),
+                      HasSubstr("export playroom -o playroom.invitation --replace"),
+                      HasSubstr("  sudo atrium tunnel up playroom.invitation\n"),
+                      Not(HasSubstr("no tunnel"))));
 }
 
 TEST_F(Invite, RefusesAMemberWhoseKeyHasExpired) {

@@ -45,9 +45,12 @@ TEST(Rights, RefuseEveryOtherText) {
 
 TEST(Rights, AreParsedAsUsersWriteThem) {
     EXPECT_EQ(*parse_rights("grab,push"), (Rights{Right::kPush, Right::kGrab}));
+    for (const char* text : {"grab, push", "push+grab", "grab,push+grab", " push ,  grab "})
+        EXPECT_EQ(*parse_rights(text), (Rights{Right::kPush, Right::kGrab})) << text;
     EXPECT_EQ(*parse_rights("all"), Rights::all());
     EXPECT_EQ(*parse_rights("none"), Rights());
-    for (const char* text : {"", "fly", "push,", "push, grab", "push+grab", "none,push"}) {
+    for (const char* text :
+         {"", "fly", "push,", "push+", "push grab", "push,,grab", ",", "none,push"}) {
         const auto parsed = parse_rights(text);
         ASSERT_FALSE(parsed) << text;
         EXPECT_EQ(parsed.error().kind, ErrorKind::kConfiguration);

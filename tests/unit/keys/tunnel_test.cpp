@@ -128,6 +128,7 @@ TEST(Hub, IsNothingElse) {
                              ".studio",
                              "-studio",
                              "studio/1",
+                             "http://studio",
                              "studio example",
                              "::1",
                              "[::1]:51820",
@@ -147,7 +148,6 @@ TEST(Hub, IsNothingElse) {
                              "studio:01",
                              "studio:1x",
                              "studio:1:2",
-                             "http://studio",
                              "studio:99999999999999999999"}) {
         const auto hub = parse_hub(text);
         ASSERT_FALSE(hub) << text;
