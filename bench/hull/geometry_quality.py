@@ -27,7 +27,8 @@ def main(table, page):
             lines.append(f"| {look} | {shape} | {mean(own, 'triangles'):,.0f} | {mean(own, 'true_l'):.1f} | {mean(own, 'excess_l'):.2f} | {mean(own, 'missing_l'):.2f} | "
                          f"{mean(own, 'mean_mm'):.1f}, {mean(own, 'p95_mm'):.1f} | "
                          f"{mean(own, 'true_mean_mm'):.1f}, {mean(own, 'true_p95_mm'):.1f} | {statistics.median(row['work_ms'] for row in own):.1f} |")
-    put_table(page, "geometry-quality", lines, f"{comment}; means of {len(rows) // len(looks)} instants of six motions for each person")
+    num_instants = len({(row["look"], row["motion"], row["time_s"]) for row in rows}) // len(looks)
+    put_table(page, "geometry-quality", lines, f"{comment}; means of {num_instants} instants of six motions for each person")
 
 
 if __name__ == "__main__":
