@@ -76,14 +76,6 @@ bool CornerRounding::join_edges(const geometry::TriangleMesh& mesh) {
     return std::ranges::none_of(edges_, [](const Edge& edge) { return edge.faces[1] == kNone; });
 }
 
-bool CornerRounding::has_edge(std::uint32_t a, std::uint32_t b) const {
-    const std::uint32_t low = std::min(a, b);
-    const std::uint32_t high = std::max(a, b);
-    for (std::uint32_t e = first_edge_[low]; e < first_edge_[low + 1]; ++e)
-        if (edges_[e].b == high) return true;
-    return false;
-}
-
 // The plane of a face goes through the camera whose outline made it.
 void CornerRounding::find_owners(const geometry::TriangleMesh& mesh) {
     faces_.resize(mesh.triangles.size());
@@ -285,44 +277,77 @@ void CornerRounding::split_viewing_edges(geometry::TriangleMesh& mesh) {
     mesh.triangles.swap(triangles_);
 }
 
+// Finds for each half-edge the one in the opposite direction. Half-edge 3 f + k goes from corner k
+// of triangle f to the next.
+void CornerRounding::find_twins(const geometry::TriangleMesh& mesh) {
+    join_edges(mesh);
+    twins_.resize(3 * mesh.triangles.size());
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+        std::array<std::uint32_t, 2> sides{};
+        for (std::size_t i = 0; i < 2; ++i)
+            while (edges_of_face_[edges_[e].faces[i]][sides[i]] != e) ++sides[i];
+        const std::uint32_t one = 3 * edges_[e].faces[0] + sides[0];
+        const std::uint32_t other = 3 * edges_[e].faces[1] + sides[1];
+        twins_[one] = other;
+        twins_[other] = one;
+    }
+}
+
+// Whether an edge joins the half-edge's first corner to `corner`.
+bool CornerRounding::is_joined(std::uint32_t half_edge,
+                               std::uint32_t corner,
+                               const geometry::TriangleMesh& mesh) const {
+    std::uint32_t h = half_edge;
+    do {
+        if (mesh.triangles[h / 3][(h + 1) % 3] == corner) return true;
+        h = twins_[before(h)];
+    } while (h != half_edge);
+    return false;
+}
+
 // Exchanges the edge if it is a diagonal of a planar face and the other one lies farther out once
 // the corners have moved.
-bool CornerRounding::exchange(const Edge& edge, geometry::TriangleMesh& mesh) {
-    const auto [f, g] = edge.faces;
+bool CornerRounding::exchange(std::uint32_t half_edge, geometry::TriangleMesh& mesh) {
+    const std::uint32_t twin = twins_[half_edge];
+    const std::uint32_t f = half_edge / 3, g = twin / 3;
     if (owners_[f] != owners_[g] || owners_[f] == kNobody) return false;
-    if (is_changed_[f] != 0 || is_changed_[g] != 0) return false;
-    auto& first = mesh.triangles[f];
-    auto& second = mesh.triangles[g];
-    std::size_t k = 0;
-    while (first[k] == edge.a || first[k] == edge.b) ++k;
-    const std::uint32_t r = first[k], x = first[(k + 1) % 3], y = first[(k + 2) % 3];
-    std::uint32_t s = second[0];
-    for (const std::uint32_t v : second)
-        if (v != x && v != y) s = v;
+    const auto from = [&](std::uint32_t h) { return mesh.triangles[h / 3][h % 3]; };
+    const std::uint32_t x = from(half_edge), y = from(twin);
+    const std::uint32_t r = from(before(half_edge)), s = from(before(twin));
     if (!(moves_m_[x] + moves_m_[y] > moves_m_[r] + moves_m_[s] + kLeastGain_m)) return false;
-    if (r == s || is_viewing_edge(x, y, owners_[f], mesh)) return false;
     const auto& p = mesh.vertices;
     const Eigen::Vector3d normal = (p[x] - p[r]).cross(p[y] - p[r]).normalized();
     if (!(std::abs(normal.dot(p[s] - p[r])) < kPlane_m)) return false;
     const double area_x = (p[x] - p[r]).cross(p[s] - p[r]).dot(normal);
     const double area_y = (p[s] - p[r]).cross(p[y] - p[r]).dot(normal);
-    if (!(area_x > kLeastArea_m2 && area_y > kLeastArea_m2) || has_edge(r, s)) return false;
-    // edges_ lacks what was added in this turn: one at a vertex, the others in the next turn
-    if (added_[std::min(r, s)] != 0) return false;
-    first = {r, x, s};
-    second = {r, s, y};
-    is_changed_[f] = is_changed_[g] = 1;
-    added_[std::min(r, s)] = 1;
+    if (!(area_x > kLeastArea_m2 && area_y > kLeastArea_m2)) return false;
+    if (is_viewing_edge(x, y, owners_[f], mesh) || is_joined(before(half_edge), s, mesh))
+        return false;
+    const std::array<std::uint32_t, 6> around{twins_[before(half_edge)],
+                                              twins_[after(twin)],
+                                              3 * g + 2,
+                                              twins_[before(twin)],
+                                              twins_[after(half_edge)],
+                                              3 * f + 2};
+    mesh.triangles[f] = {r, x, s};
+    mesh.triangles[g] = {s, y, r};
+    for (std::uint32_t k = 0; k < 3; ++k) {
+        twins_[3 * f + k] = around[k];
+        twins_[around[k]] = 3 * f + k;
+        twins_[3 * g + k] = around[3 + k];
+        twins_[around[3 + k]] = 3 * g + k;
+    }
     return true;
 }
 
-std::size_t CornerRounding::exchange_diagonals(geometry::TriangleMesh& mesh) {
-    join_edges(mesh);
-    is_changed_.assign(mesh.triangles.size(), 0);
-    added_.assign(mesh.vertices.size(), 0);
-    std::size_t num = 0;
-    for (const Edge& edge : edges_) num += exchange(edge, mesh) ? 1 : 0;
-    return num;
+void CornerRounding::exchange_diagonals(geometry::TriangleMesh& mesh) {
+    find_twins(mesh);
+    for (int turn = 0; turn < kExchanges; ++turn) {
+        bool is_done = true;
+        for (std::uint32_t h = 0; h < twins_.size(); ++h)
+            if (h < twins_[h] && exchange(h, mesh)) is_done = false;
+        if (is_done) return;
+    }
 }
 
 // Where the body is thinner than its viewing edges say, a corner would come out at the other side.
@@ -355,8 +380,7 @@ bool CornerRounding::round(geometry::TriangleMesh& mesh,
     find_moves(mesh);
     smooth_moves();
     split_viewing_edges(mesh);
-    for (int turn = 0; turn < kExchanges; ++turn)
-        if (exchange_diagonals(mesh) == 0) break;
+    exchange_diagonals(mesh);
     move_corners(mesh, views);
     return true;
 }

@@ -77,7 +77,6 @@ private:
     };
 
     bool join_edges(const geometry::TriangleMesh& mesh);
-    bool has_edge(std::uint32_t a, std::uint32_t b) const;
     void find_owners(const geometry::TriangleMesh& mesh);
     bool is_viewing_edge(std::uint32_t a,
                          std::uint32_t b,
@@ -88,9 +87,19 @@ private:
     void find_moves(const geometry::TriangleMesh& mesh);
     void smooth_moves();
     void split_viewing_edges(geometry::TriangleMesh& mesh);
-    std::size_t exchange_diagonals(geometry::TriangleMesh& mesh);
+    static std::uint32_t after(std::uint32_t half_edge) {
+        return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1;
+    }
+    static std::uint32_t before(std::uint32_t half_edge) {
+        return half_edge % 3 == 0 ? half_edge + 2 : half_edge - 1;
+    }
+    void find_twins(const geometry::TriangleMesh& mesh);
+    bool is_joined(std::uint32_t half_edge,
+                   std::uint32_t corner,
+                   const geometry::TriangleMesh& mesh) const;
+    void exchange_diagonals(geometry::TriangleMesh& mesh);
     void move_corners(geometry::TriangleMesh& mesh, std::span<const SilhouetteView* const> views);
-    bool exchange(const Edge& edge, geometry::TriangleMesh& mesh);
+    bool exchange(std::uint32_t half_edge, geometry::TriangleMesh& mesh);
 
     CornerRoundingOptions options_;
     InsideSilhouettes inside_;
@@ -110,8 +119,7 @@ private:
     std::vector<std::uint32_t> middles_;    // per edge: vertex
     std::vector<std::int32_t> owners_;      // per triangle of the result
     std::vector<std::array<std::uint32_t, 3>> triangles_;
-    std::vector<std::uint8_t> is_changed_;  // per triangle
-    std::vector<std::uint8_t> added_;       // per vertex: it is the lower end of a new diagonal
+    std::vector<std::uint32_t> twins_;  // per half-edge
     struct HalfEdge {
         std::uint32_t other = 0;
         std::uint32_t face = 0;
