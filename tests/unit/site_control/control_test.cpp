@@ -93,8 +93,10 @@ protected:
         write("deploy/rigs/hall.toml", "units = \"m\"\n# it's a $rig\n");
         write("fake_ssh",
               "#!/bin/sh\nhost=$1; shift\n[ \"$host\" = dead ] && exec sleep 1000\n"
-              "export HOME=" +
-                  folder_.string() + "/home/$host; mkdir -p \"$HOME\"; exec \"$@\"\n");
+              "folder=" +
+                  folder_.string() +
+                  "\nexport HOME=$folder/home/$host; mkdir -p \"$HOME\"\n"
+                  "[ -d \"$folder/commands\" ] && export PATH=\"$folder/commands\"\nexec \"$@\"\n");
         // a program that shows its file's rig and goes on, as a site would
         write("bin/camera_node",
               "#!/bin/sh\necho \"2026 info camera_node $*\"; cat \"$(dirname "
@@ -168,6 +170,13 @@ TEST_F(Control, SaysWhyAProgramFails) {
     EXPECT_THAT(said, Contains(StartsWith("left: started camera_node ")));
     EXPECT_THAT(said, Contains("left: failed site_node: site_node: error: no network"));
     EXPECT_THAT(lines(Command::kStatus), Contains("left:   site_node: error: no network"));
+    // all commands of this host but ours, whose packages may be installed
+    fs::create_directories(folder_ / "commands");
+    for (const fs::directory_entry& command : fs::directory_iterator("/usr/bin")) {
+        const std::string name = command.path().filename().string();
+        if (!name.ends_with("camera_node"))
+            fs::create_symlink(command.path(), folder_ / "commands" / name);
+    }
     options_.programs = "/nowhere";
     options_.hosts = {host("right")};
     EXPECT_THAT(lines(Command::kUp),
