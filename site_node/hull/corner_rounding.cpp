@@ -119,7 +119,7 @@ void CornerRounding::find_corners(const geometry::TriangleMesh& mesh) {
         for (const std::uint32_t v : mesh.triangles[f]) {
             Corner& corner = corners_[v];
             // too thin to tell whose it is; its neighbours know
-            if (!(face.area_m2 > kLeastArea_m2)) continue;
+            if (!(face.doubled_area_m2 > kLeastArea_m2)) continue;
             Meeting* meeting = corner.of(face.owner);
             if (face.owner == kNobody || (meeting == nullptr && corner.num == 4)) {
                 corner.stays = true;
@@ -129,7 +129,7 @@ void CornerRounding::find_corners(const geometry::TriangleMesh& mesh) {
                 meeting = &corner.meetings[corner.num++];
                 meeting->camera = face.owner;
             }
-            meeting->normal += face.area_m2 * face.normal;
+            meeting->normal += face.doubled_area_m2 * face.normal;
         }
     }
     is_viewing_.assign(edges_.size(), 0);
@@ -208,7 +208,7 @@ void CornerRounding::find_moves(const geometry::TriangleMesh& mesh) {
     }
     // at the tip of an outline, inwards for two cameras may be outwards for one of the faces
     for (std::size_t f = 0; f < faces_.size(); ++f) {
-        if (!(faces_[f].area_m2 > kLeastArea_m2)) continue;
+        if (!(faces_[f].doubled_area_m2 > kLeastArea_m2)) continue;
         for (const std::uint32_t v : mesh.triangles[f])
             if (faces_[f].normal.dot(inwards_[v]) > -kLeastInwards) moves_m_[v] = 0.0;
     }

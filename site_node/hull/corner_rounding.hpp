@@ -33,8 +33,8 @@ struct CornerRoundingOptions {
 /// viewing edges stay where they are, so the silhouettes stay, too.
 ///
 /// Concave corners stay, and so do those at faces of no camera, such as the bounds. Related:
-/// Lazebnik, Furukawa, Ponce (2007), "Projective Visual Hulls", find these contacts ("rims") by
-/// optimisation over pictures; here they are assumed, at a thousandth of the time.
+/// Furukawa, Ponce (2006), "Carved Visual Hulls for Image-Based Modeling", find where the body
+/// touches the hull ("rims") from the pictures; here that is assumed.
 ///
 /// Keeps its memory. Deterministic. Not thread-safe.
 class CornerRounding {
@@ -51,8 +51,8 @@ private:
     static constexpr std::int32_t kNobody = -1;
 
     struct Face {
-        Eigen::Vector3d normal;        // unit; zero without area
-        double area_m2 = 0.0;          // twice
+        Eigen::Vector3d normal;  // unit; zero without area
+        double doubled_area_m2 = 0.0;
         std::int32_t owner = kNobody;  // camera whose outline made it
     };
     struct Edge {
