@@ -93,7 +93,11 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
             pipeline.stages_[i]->silhouettes.emplace(cameras[i], options);
         return pipeline;
     }
-    auto stages = make_silhouette_stages(source, all_cameras(source), options, stop);
+    if (!options.worker.socket.empty())
+        pipeline.worker_ =
+            std::make_shared<segmentation_worker::WorkerTally>(options.worker.deadline_ms);
+    auto stages =
+        make_silhouette_stages(source, all_cameras(source), options, stop, pipeline.worker_);
     for (std::size_t i = 0; i < stages.size(); ++i) {
         auto& stage = stages[i];
         if (!stage && stage.error().kind == ErrorKind::kUnavailable && !stop.stop_requested())
@@ -131,6 +135,16 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
     out.delivered_.assign(cameras_.size(), 0);
     while (out.cameras_.size() < cameras_.size())
         out.cameras_.push_back(std::make_unique<Silhouettes::Camera>());
+    if (worker_ != nullptr) {
+        // all cameras first: the worker gets the pictures of an instant together
+        const auto offer = [&](std::size_t i, std::size_t worker) {
+            const capture::CameraFrame& frame = out.metaframe_.frames[i];
+            auto& stage = stages_[i]->silhouettes;
+            if (frame.found != nullptr || frame.is_lost() || !stage) return;
+            stage->offer(frame, {&executor, worker}, *out.cameras_[i]);
+        };
+        executor.parallel_for(cameras_.size(), offer);
+    }
     const auto work_on_camera = [&](std::size_t i, std::size_t worker) {
         const capture::CameraFrame& frame = out.metaframe_.frames[i];
         Silhouettes::Camera& camera = *out.cameras_[i];

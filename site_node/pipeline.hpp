@@ -123,6 +123,9 @@ public:
     /// Names of the excluded cameras.
     std::vector<std::string> cameras_without_background() const;
 
+    /// Counts the answers of the segmentation worker; null if none is used.
+    segmentation_worker::WorkerTally* worker() const { return worker_.get(); }
+
     /// The empty room of a camera as it was learned; null if there is none. Valid as long as this.
     const segmentation::BackgroundStatistics* room(std::size_t camera) const;
 
@@ -185,6 +188,7 @@ private:
     PipelineOptions options_;
     std::vector<std::unique_ptr<CameraStage>> stages_;  // one per camera
     HullStage hull_;
+    std::shared_ptr<segmentation_worker::WorkerTally> worker_;
     hosts::RemoteRegions* remote_ = nullptr;
     MeshCoding meshes_;                     // one of each region, or one
     std::vector<CodedCamera> spare_coded_;  // memory for cameras that see somebody again

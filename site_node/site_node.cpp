@@ -75,6 +75,8 @@ Expected<void> SiteNode::run(std::stop_token stop) {
                    atrium::status::process_fields(total.processor, total.first_output_s));
     if (const std::string line = losses_line({}, total); !line.empty())
         app::log::info("counted {}", line);
+    if (const auto* const worker = pipeline_.worker())
+        app::log::info("segmentation_worker {}", worker->line());
     for (const capture::CameraCounters& counters : source_->camera_counters()) {
         if (source_->is_live() || has_faults(counters))
             app::log::info("camera {}", to_line(counters));

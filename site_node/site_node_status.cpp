@@ -58,6 +58,10 @@ void SiteNode::report_status(std::stop_token stop) {
             complaints_.warn(written.error().message);
         if (const std::string line = losses_line(former, now); !line.empty())
             app::log::debug("this second {}", line);
+        if (auto* const worker = pipeline_.worker()) {
+            worker->look(Clock::now());
+            app::log::debug("segmentation_worker {}", worker->line());
+        }
         former = now;
         largest_work = stage_times_.largest_work();
         if (const auto line = overload.look(atrium::status::figures_of(now), Clock::now()))
@@ -97,6 +101,8 @@ bus::SiteStatus SiteNode::status() const {
     status.first_output_s = first_output_s_;
     status.coherence = coherence_watcher_.newest();
     status.finding = rig_watcher_.finding();
+    if (const auto* const worker = pipeline_.worker(); worker != nullptr && status.finding.empty())
+        status.finding = worker->finding();
     if (hosts_ != nullptr) status.hosts = hosts_->statuses();
     if (region_hosts_ != nullptr) {
         const auto regions = region_hosts_->statuses();

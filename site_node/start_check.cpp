@@ -101,6 +101,8 @@ Expected<config::Rig> load_checked_description(const SiteNodeConfig& config) {
                         config.capture.min_cameras));
     }
     if (auto fits = check_areas(config.pipeline, *rig); !fits) return tl::unexpected(fits.error());
+    if (auto fits = segmentation_worker::check(config.pipeline.worker); !fits)
+        return tl::unexpected(fits.error());
     HullStageOptions hull = config.pipeline.hull;
     if (are_bounds_of_rig(*rig, hull)) hull.bounds = rig->bounds_site;
     const auto stage =

@@ -41,7 +41,8 @@ CameraNode::CameraNode(site_node::SiteNodeConfig config,
                        std::unique_ptr<hosts::ClockEpoch> clock_epoch,
                        std::uint64_t source_epoch,
                        std::shared_ptr<site_node::RunControl> run_control,
-                       std::unique_ptr<presence::Membership> membership)
+                       std::unique_ptr<presence::Membership> membership,
+                       std::shared_ptr<segmentation_worker::WorkerTally> worker)
     : config_(std::move(config)),
       host_(std::move(host)),
       camera_names_(std::move(camera_names)),
@@ -52,6 +53,7 @@ CameraNode::CameraNode(site_node::SiteNodeConfig config,
       source_epoch_(source_epoch),
       run_control_(std::move(run_control)),
       membership_(std::move(membership)),
+      worker_(std::move(worker)),
       workers_("work",
                static_cast<std::size_t>(config_.threads),
                [this](const std::string& key, Picture picture, std::size_t /*worker*/) {
@@ -87,6 +89,7 @@ Expected<void> CameraNode::run(std::stop_token stop) {
         if (config_.capture.source == "cameras" || has_faults(counters))
             app::log::info("camera {}", to_line(counters));
     }
+    if (worker_ != nullptr) app::log::info("segmentation_worker {}", worker_->line());
     return run_control_->result();
 }
 
@@ -255,6 +258,10 @@ void CameraNode::report_status(std::stop_token stop) {
         const bus::CameraNodeStatus now = status();
         if (const auto written = bus_.status.write(now); !written)
             complaints_.warn(written.error().message);
+        if (worker_ != nullptr) {
+            worker_->look(Clock::now());
+            app::log::debug("segmentation_worker {}", worker_->line());
+        }
         if (const auto line = overload.look(atrium::status::figures_of(now), Clock::now()))
             app::log::warn("{}", *line);
     }

@@ -74,7 +74,8 @@ private:
                std::unique_ptr<hosts::ClockEpoch> clock_epoch,
                std::uint64_t source_epoch,
                std::shared_ptr<site_node::RunControl> run_control,
-               std::unique_ptr<presence::Membership> membership);
+               std::unique_ptr<presence::Membership> membership,
+               std::shared_ptr<segmentation_worker::WorkerTally> worker);
 
     void capture(std::stop_token stop);
     Expected<void> capture_until_clock_is_set(std::stop_token stop, bool& was_set);
@@ -121,7 +122,8 @@ private:
 
     std::shared_ptr<site_node::RunControl> run_control_;  // shared with the membership
     std::unique_ptr<presence::Membership> membership_;
-    KeyedWorkers<Picture> workers_;  // last member: it uses all others
+    std::shared_ptr<segmentation_worker::WorkerTally> worker_;  // null: none is used
+    KeyedWorkers<Picture> workers_;                             // last member: it uses all others
 };
 
 }  // namespace atrium::camera_node

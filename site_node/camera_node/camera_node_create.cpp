@@ -31,6 +31,7 @@ using Stages = std::vector<std::optional<site_node::SilhouetteStage>>;
 Expected<Stages> make_stages(capture::FrameSource& source,
                              const SiteNodeConfig& config,
                              bool shares_cameras,
+                             std::shared_ptr<segmentation_worker::WorkerTally> worker,
                              std::stop_token stop) {
     Stages stages;
     const auto& cameras = source.rig().cameras;
@@ -40,7 +41,7 @@ Expected<Stages> make_stages(capture::FrameSource& source,
         return stages;
     }
     auto made = site_node::make_silhouette_stages(
-        source, site_node::all_cameras(source), config.pipeline, stop);
+        source, site_node::all_cameras(source), config.pipeline, stop, std::move(worker));
     std::size_t num_there = 0;
     for (std::size_t i = 0; i < made.size(); ++i) {
         if (made[i]) {
@@ -154,7 +155,12 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
                    name,
                    fmt::join(names, " "),
                    rate_hz);
-    auto stages = make_stages(**source, config, shares_cameras, stop);
+    const segmentation_worker::WorkerOptions& asked_worker = config.pipeline.worker;
+    const auto worker =
+        asked_worker.socket.empty()
+            ? nullptr
+            : std::make_shared<segmentation_worker::WorkerTally>(asked_worker.deadline_ms);
+    auto stages = make_stages(**source, config, shares_cameras, worker, stop);
     if (!stages) return tl::unexpected(stages.error());
 
     const std::vector<std::uint32_t> indices = indices_in(rig, (*source)->rig());
@@ -196,7 +202,8 @@ Expected<std::unique_ptr<CameraNode>> CameraNode::create(const SiteNodeConfig& a
         std::move(clock_epoch),
         source_epoch,
         run_control,
-        std::move(*member)));
+        std::move(*member),
+        worker));
 }
 
 }  // namespace atrium::camera_node

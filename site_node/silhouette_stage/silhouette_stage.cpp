@@ -29,13 +29,39 @@ SilhouetteStage::SilhouetteStage(const geometry::CalibratedCamera& camera,
       watch_(static_cast<std::uint32_t>(std::hash<std::string>{}(camera.name) %
                                         segmentation::RoomWatch::kFirstGap)) {}
 
+void SilhouetteStage::offer(const capture::CameraFrame& frame,
+                            const GiveWay& give_way,
+                            PictureSilhouette& out) {
+    if (worker_ == nullptr || frame.silhouette != nullptr) return;
+    is_offered_ = true;
+    is_converted_ = false;
+    image::WorkingPicture picture(frame.image, out.picture_buffer);
+    const image::YuvView& view = picture.view();
+    const segmentation::BackgroundStatistics& room = segmenter_.model().room;
+    if (view.width() != room.width || view.height() != room.height || view.mosaic != room.mosaic)
+        return;  // `find` says so
+    if (!worker_->wants_picture()) return;
+    picture.make_all();
+    out.picture = picture.view();
+    is_converted_ = true;
+    worker_->offer(frame.image, out.picture, frame.capture_time, segmenter_.model(), give_way);
+}
+
+image::WorkingPicture SilhouetteStage::picture_of(const capture::CameraFrame& frame,
+                                                  PictureSilhouette& out) {
+    is_offered_ = false;
+    if (std::exchange(is_converted_, false)) return image::WorkingPicture(out.picture);
+    return image::WorkingPicture(frame.image, out.picture_buffer);
+}
+
 Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
                                      const GiveWay& give_way,
                                      PictureSilhouette& out) {
     using Clock = std::chrono::steady_clock;
     using Milliseconds = std::chrono::duration<double, std::milli>;
     const auto begin = Clock::now();
-    image::WorkingPicture picture(frame.image, out.picture_buffer);
+    if (!is_offered_) offer(frame, give_way, out);
+    image::WorkingPicture picture = picture_of(frame, out);
     out.picture = picture.view();
     if (frame.silhouette != nullptr) {
         picture.make_all();
@@ -46,6 +72,10 @@ Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
             return segmented;
         if (watch_.is_due()) watch_room(out);
         if (watch_.is_view_due()) watch_.look_at_view(out.picture, segmenter_.model().room.luma);
+        if (worker_ != nullptr) {
+            worker_->take(give_way, out.mask);
+            worker_->keep_last(out.mask.mask);
+        }
     }
     out.view_shift_px = watch_.view_shift();
     give_way();
@@ -82,11 +112,43 @@ void SilhouetteStage::watch_room(const PictureSilhouette& found) {
         ghost->y);
 }
 
+namespace {
+
+// Gives each stage its client. Waits a while for workers, which may have a network to load.
+void ask_workers(std::vector<Expected<SilhouetteStage>>& stages,
+                 const SilhouetteStageOptions& options,
+                 const std::shared_ptr<segmentation_worker::WorkerTally>& tally,
+                 const std::stop_token& stop) {
+    constexpr std::chrono::seconds kPatience{10};
+    std::vector<segmentation_worker::WorkerClient*> clients;
+    for (Expected<SilhouetteStage>& stage : stages) {
+        if (!stage) continue;
+        auto client =
+            segmentation_worker::WorkerClient::create(options.worker,
+                                                      {stage->camera(),
+                                                       stage->room().width,
+                                                       stage->room().height,
+                                                       areas_of(options.areas, stage->camera())},
+                                                      options.segmentation,
+                                                      tally);
+        if (!client) {
+            stage = tl::unexpected(client.error());
+            continue;
+        }
+        clients.push_back(client->get());
+        stage->ask(std::move(*client));
+    }
+    segmentation_worker::connect_at_start(clients, kPatience, stop);
+}
+
+}  // namespace
+
 std::vector<Expected<SilhouetteStage>> make_silhouette_stages(
     capture::FrameSource& source,
     const std::vector<std::size_t>& cameras,
     const SilhouetteStageOptions& options,
-    std::stop_token stop) {
+    std::stop_token stop,
+    std::shared_ptr<segmentation_worker::WorkerTally> tally) {
     auto rooms =
         load_or_learn_backgrounds(source, cameras, options.background, options.segmentation, stop);
     std::vector<Expected<SilhouetteStage>> stages;
@@ -100,6 +162,11 @@ std::vector<Expected<SilhouetteStage>> make_silhouette_stages(
                 segmentation::Segmenter(
                     std::move(room), options.segmentation, areas_of(options.areas, camera.name)));
         }));
+    }
+    if (!options.worker.socket.empty()) {
+        if (tally == nullptr)
+            tally = std::make_shared<segmentation_worker::WorkerTally>(options.worker.deadline_ms);
+        ask_workers(stages, options, tally, stop);
     }
     return stages;
 }

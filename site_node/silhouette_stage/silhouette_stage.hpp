@@ -8,12 +8,14 @@
 #include "site_node/capture/frame_source.hpp"
 #include "site_node/segmentation/room_watch.hpp"
 #include "site_node/segmentation/segmentation.hpp"
+#include "site_node/segmentation_worker/worker_client.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/silhouette_stage/silhouette_stage_options.hpp"
 
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -49,6 +51,16 @@ public:
                     const SilhouetteStageOptions& options,
                     segmentation::Segmenter segmenter = {});
 
+    /// From now on asks a worker for the people in each picture. Pictures without its answer keep
+    /// the mask of the segmenter, which goes on with every picture.
+    void ask(std::unique_ptr<segmentation_worker::WorkerClient> worker) {
+        worker_ = std::move(worker);
+    }
+
+    /// Gives the picture to the worker, if there is one, so that it works while others do: before
+    /// `find` with the same frame and `out`, which else does it itself.
+    void offer(const capture::CameraFrame& frame, const GiveWay& give_way, PictureSilhouette& out);
+
     /// Uses the frame's silhouette if it carries one, else segments its picture. Pictures must come
     /// in time order. Some of them serve to check the learned room (RoomWatch): if it seems to
     /// contain a person, this logs a warning, once. Gives way after each 16 rows. Allocates only
@@ -57,6 +69,7 @@ public:
                         const GiveWay& give_way,
                         PictureSilhouette& out);
 
+    const std::string& camera() const { return name_; }
     /// The empty room as it was learned; without pixels if there is none.
     const segmentation::BackgroundStatistics& room() const { return segmenter_.model().room; }
     /// Whether the room was learned from pictures with people in it.
@@ -64,24 +77,30 @@ public:
 
 private:
     void watch_room(const PictureSilhouette& found);
+    image::WorkingPicture picture_of(const capture::CameraFrame& frame, PictureSilhouette& out);
 
     geometry::PinholeCamera intrinsics_;
     silhouette::SilhouetteOptions options_;
     std::string name_;
     segmentation::Segmenter segmenter_;
     segmentation::RoomWatch watch_;
+    std::unique_ptr<segmentation_worker::WorkerClient> worker_;  // null: none
+    bool is_offered_ = false;    // this picture; whether or not the worker took it
+    bool is_converted_ = false;  // to the working form, as a whole
     silhouette::SilhouetteScratch scratch_;
     std::vector<silhouette::SilhouettePolygon> polygons_;
     std::vector<std::vector<Eigen::Vector2d>> spare_contours_;
 };
 
-/// Makes the stage of each of `cameras`, with its loaded or learned background. Errors as in
+/// Makes the stage of each of `cameras`, with its loaded or learned background, and with its worker
+/// if the options name one; `tally`, or one of their own, counts its answers. Errors as in
 /// load_or_learn_backgrounds.
 std::vector<Expected<SilhouetteStage>> make_silhouette_stages(
     capture::FrameSource& source,
     const std::vector<std::size_t>& cameras,
     const SilhouetteStageOptions& options,
-    std::stop_token stop);
+    std::stop_token stop,
+    std::shared_ptr<segmentation_worker::WorkerTally> tally = nullptr);
 
 /// Returns the indices of all cameras of `source`.
 std::vector<std::size_t> all_cameras(const capture::FrameSource& source);

@@ -101,6 +101,15 @@ void declare(SilhouetteStageOptions& options, config::OptionSet& set) {
             options.background.watch_s,
             "with people: how long live cameras or a simulated room are watched [s]",
             {1, 3600});
+    set.add("segmentation.worker",
+            options.worker.socket,
+            "socket of a segmentation worker, a process of somebody else that finds the people; "
+            "empty: the built-in segmentation alone");
+    set.add("segmentation.worker_deadline_ms",
+            options.worker.deadline_ms,
+            "how long a picture waits for the worker, before it takes the mask of the built-in "
+            "segmentation [ms]",
+            {1, 10000});
 
     silhouette::SilhouetteOptions& silhouette = options.silhouette;
     set.add("silhouette.tolerance_px",

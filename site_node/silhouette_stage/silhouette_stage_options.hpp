@@ -6,6 +6,7 @@
 #include "core/config/table_reader.hpp"
 #include "site_node/segmentation/areas.hpp"
 #include "site_node/segmentation/segmentation_options.hpp"
+#include "site_node/segmentation_worker/worker_client.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/silhouette_stage/backgrounds.hpp"
 
@@ -24,6 +25,7 @@ struct CameraAreas {
 struct SilhouetteStageOptions {
     segmentation::SegmentationOptions segmentation;
     BackgroundOptions background;
+    segmentation_worker::WorkerOptions worker;
     std::vector<CameraAreas> areas;
     silhouette::SilhouetteOptions silhouette;
 };

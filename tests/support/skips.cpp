@@ -19,6 +19,7 @@ constexpr std::array kReasons{kNoSharedData,
                               kNoAvx2,
                               kNoWaitTimes,
                               kNoCgal,
+                              kNoPythonOpenCv,
                               kNoSystemd,
                               kSanitizer,
                               kRenewed};

@@ -13,6 +13,7 @@ inline constexpr std::string_view kNoEgl = "no EGL: ";                  // no GP
 inline constexpr std::string_view kNoAvx2 = "no AVX2 in this processor";
 inline constexpr std::string_view kNoWaitTimes = "no count of waits in this kernel";
 inline constexpr std::string_view kNoCgal = "no CGAL (libcgal-dev) when this was configured";
+inline constexpr std::string_view kNoPythonOpenCv = "no OpenCV for Python (python3-opencv)";
 inline constexpr std::string_view kNoSystemd = "no systemd: ";  // systemd-analyze
 inline constexpr std::string_view kSanitizer = "sanitizers need more address space";
 inline constexpr std::string_view kRenewed = "golden picture renewed: ";  // ATRIUM_RENEW_GOLDEN
