@@ -111,6 +111,8 @@ endfunction()
 file(GLOB atrium_worlds RELATIVE ${PROJECT_SOURCE_DIR}/deploy CONFIGURE_DEPENDS deploy/worlds/*.toml)
 _atrium_install_deploy(atrium-common rigs worlds/models) # models: world servers and viewers read them
 _atrium_install_deploy(atrium-site sites)
+install(FILES tools/segmentation_worker/atrium_segmentation.py tools/segmentation_worker/opencv_worker.py
+    DESTINATION ${atrium_share}/segmentation_worker COMPONENT atrium-site)
 _atrium_install_deploy(atrium-world ${atrium_worlds})
 _atrium_install_deploy(atrium-viewer viewer.toml viewer_remote.toml walls)
 _atrium_install_deploy(atrium-tools costs.toml demos views)

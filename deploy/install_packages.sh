@@ -3,7 +3,7 @@
 # `install_packages.sh deb` also installs what makes and checks Debian packages (docs/packages.md), and `container` what makes the image.
 set -eu
 
-packages="build-essential cmake ninja-build pkg-config ccache git python3 clang-format
+packages="build-essential cmake ninja-build pkg-config ccache git python3 python3-opencv clang-format
 cyclonedds-dev cyclonedds-tools libeigen3-dev libopencv-dev libdraco-dev libturbojpeg0-dev libjpeg62-turbo-dev libavformat-dev libbullet-dev
 libglfw3-dev libegl-dev libosmesa6-dev python3-glad libimgui-dev fonts-dejavu-core libcli11-dev libtoml11-dev libspdlog-dev libassimp-dev
 libceres-dev libfmt-dev nlohmann-json3-dev libzstd-dev liblz4-dev zlib1g-dev libexpected-dev libaravis-dev libpugixml-dev libssl-dev libgtest-dev libgmock-dev libcgal-dev libbenchmark-dev libx11-dev

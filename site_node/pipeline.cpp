@@ -136,19 +136,23 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
     while (out.cameras_.size() < cameras_.size())
         out.cameras_.push_back(std::make_unique<Silhouettes::Camera>());
     if (worker_ != nullptr) {
-        // all cameras first: the worker gets the pictures of an instant together
-        const auto offer = [&](std::size_t i, std::size_t worker) {
+        // it gets the pictures of an instant together, and no worker of the executor waits for it
+        const auto begin_camera = [&](std::size_t i, std::size_t worker) {
             const capture::CameraFrame& frame = out.metaframe_.frames[i];
+            Silhouettes::Camera& camera = *out.cameras_[i];
+            camera.begin();
             auto& stage = stages_[i]->silhouettes;
             if (frame.found != nullptr || frame.is_lost() || !stage) return;
-            stage->offer(frame, {&executor, worker}, *out.cameras_[i]);
+            camera.result = stage->begin(frame, {&executor, worker}, camera);
         };
-        executor.parallel_for(cameras_.size(), offer);
+        executor.parallel_for(cameras_.size(), begin_camera);
+        for (const auto& stage : stages_)
+            if (stage->silhouettes) stage->silhouettes->await();
     }
     const auto work_on_camera = [&](std::size_t i, std::size_t worker) {
         const capture::CameraFrame& frame = out.metaframe_.frames[i];
         Silhouettes::Camera& camera = *out.cameras_[i];
-        camera.begin();
+        if (worker_ == nullptr) camera.begin();
         if (frame.found != nullptr) {
             out.delivered_[i] = 1;
             return camera.take(*frame.found);
@@ -156,6 +160,7 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
         auto& stage = stages_[i]->silhouettes;
         if (frame.is_lost() || !stage) return;
         out.delivered_[i] = 1;
+        if (!camera.result) return;
         camera.result = stage->find(frame, {&executor, worker}, camera);
     };
     executor.parallel_for(cameras_.size(), work_on_camera);

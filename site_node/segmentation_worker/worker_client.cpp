@@ -8,12 +8,6 @@
 #include <utility>
 
 namespace atrium::segmentation_worker {
-namespace {
-
-// Between two looks for more urgent work while a client waits.
-constexpr std::chrono::microseconds kSlice{500};
-
-}  // namespace
 
 Expected<void> check(const WorkerOptions& options) {
     const std::size_t num_bytes = options.socket.native().size();
@@ -118,15 +112,14 @@ void WorkerClient::show_background(const segmentation::BackgroundModel& model,
 }
 
 bool WorkerClient::wants_picture() {
-    is_awaited_ = false;
+    is_offered_ = false;
+    answer_.reset();
     connect();
     News news = News::kNothing;
     while (socket_ && (news = receive()) != News::kNothing) continue;
     if (news == News::kInvalid) return count(news);
     if (!is_ready_) return count(News::kGone);
-    if (!asked_) return true;
-    tally_->count_late();
-    return false;
+    return !asked_ || count(News::kLate);
 }
 
 void WorkerClient::offer(const image::RawImage& raw,
@@ -149,26 +142,31 @@ void WorkerClient::offer(const image::RawImage& raw,
     }
     asked_ = number_;
     asked_at_ = Clock::now();
-    is_awaited_ = true;
+    is_offered_ = true;
 }
 
-bool WorkerClient::take(const GiveWay& give_way, image::SparseMask& out) {
-    if (!std::exchange(is_awaited_, false)) return false;
+void WorkerClient::await() {
+    if (!is_offered_ || answer_) return;
     const auto end = asked_at_ + from_milliseconds(options_.deadline_ms);
     for (;;) {
         // looks once more after the end: more urgent work may have taken the time
         const bool is_over = Clock::now() >= end;
-        if (const News news = receive(); news != News::kNothing) {
-            if (!count(news)) return false;
-            mask_of_alpha(shared_.alpha(), areas_, segmentation_, give_way, clean_, out);
-            return true;
+        const News news = receive();
+        if (news != News::kNothing || is_over) {
+            answer_ = news != News::kNothing ? news : News::kLate;
+            return;
         }
-        if (is_over) break;
-        socket_->wait(std::min<std::chrono::nanoseconds>(end - Clock::now(), kSlice));
-        give_way();
+        socket_->wait(end - Clock::now());
     }
-    tally_->count_late();
-    return false;
+}
+
+bool WorkerClient::take(const GiveWay& give_way, image::SparseMask& out) {
+    if (!is_offered_) return false;
+    await();
+    is_offered_ = false;
+    if (!count(*std::exchange(answer_, std::nullopt))) return false;
+    mask_of_alpha(shared_.alpha(), areas_, segmentation_, give_way, clean_, out);
+    return true;
 }
 
 // Returns whether the picture has an alpha.
@@ -177,6 +175,8 @@ bool WorkerClient::count(News news) {
         tally_->count_answered();
     else if (news == News::kGone)
         tally_->count_absent();
+    else if (news == News::kLate)
+        tally_->count_late();
     else
         tally_->count_invalid();
     return news == News::kAlpha;

@@ -74,8 +74,11 @@ public:
                const segmentation::BackgroundModel& model,
                const GiveWay& give_way);
 
-    /// Waits for the alpha of the picture, if it was offered, until its time limit. Returns true
-    /// with its mask in `out`; false, with `out` as it was, if there is none. Counts the picture.
+    /// Waits for the answer to the picture, if it was offered, until its time limit.
+    void await();
+
+    /// Does that, and counts the picture. Returns true with the mask of its alpha in `out`; false,
+    /// with `out` as it was, if there is none.
     bool take(const GiveWay& give_way, image::SparseMask& out);
 
     /// Keeps the mask that was used for this picture: the worker gets it with the next one.
@@ -86,7 +89,7 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    enum class News { kNothing, kAlpha, kNone, kInvalid, kGone };
+    enum class News { kNothing, kAlpha, kNone, kInvalid, kGone, kLate };
 
     WorkerClient(const WorkerOptions& options,
                  const Camera& camera,
@@ -112,7 +115,8 @@ private:
     std::uint64_t number_ = 0;            // of the last picture that was offered
     std::optional<std::uint64_t> asked_;  // the picture that the worker has
     Clock::time_point asked_at_{};
-    bool is_awaited_ = false;      // `take` has to wait for it
+    bool is_offered_ = false;      // and not taken yet
+    std::optional<News> answer_;   // to what was offered
     std::uint64_t num_shown_ = 0;  // pictures with this background, of this connection
     std::uint32_t background_number_ = 0;
     image::Mask last_mask_;

@@ -10,6 +10,12 @@
 #include <utility>
 
 namespace atrium::site_node {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Milliseconds = std::chrono::duration<double, std::milli>;
+
+}  // namespace
 
 std::vector<std::vector<Eigen::Vector2d>> kept_outlines(const PictureSilhouette& silhouette) {
     std::vector<std::vector<Eigen::Vector2d>> outlines;
@@ -29,55 +35,55 @@ SilhouetteStage::SilhouetteStage(const geometry::CalibratedCamera& camera,
       watch_(static_cast<std::uint32_t>(std::hash<std::string>{}(camera.name) %
                                         segmentation::RoomWatch::kFirstGap)) {}
 
+// Gives the picture to the worker if it takes one now; `picture` is then converted as a whole.
 void SilhouetteStage::offer(const capture::CameraFrame& frame,
                             const GiveWay& give_way,
-                            PictureSilhouette& out) {
-    if (worker_ == nullptr || frame.silhouette != nullptr) return;
-    is_offered_ = true;
-    is_converted_ = false;
-    image::WorkingPicture picture(frame.image, out.picture_buffer);
+                            image::WorkingPicture& picture) {
     const image::YuvView& view = picture.view();
     const segmentation::BackgroundStatistics& room = segmenter_.model().room;
     if (view.width() != room.width || view.height() != room.height || view.mosaic != room.mosaic)
-        return;  // `find` says so
+        return;  // the segmenter says so
     if (!worker_->wants_picture()) return;
     picture.make_all();
-    out.picture = picture.view();
-    is_converted_ = true;
-    worker_->offer(frame.image, out.picture, frame.capture_time, segmenter_.model(), give_way);
+    picture = image::WorkingPicture(picture.view());
+    worker_->offer(frame.image, picture.view(), frame.capture_time, segmenter_.model(), give_way);
 }
 
-image::WorkingPicture SilhouetteStage::picture_of(const capture::CameraFrame& frame,
-                                                  PictureSilhouette& out) {
-    is_offered_ = false;
-    if (std::exchange(is_converted_, false)) return image::WorkingPicture(out.picture);
-    return image::WorkingPicture(frame.image, out.picture_buffer);
-}
-
-Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
-                                     const GiveWay& give_way,
-                                     PictureSilhouette& out) {
-    using Clock = std::chrono::steady_clock;
-    using Milliseconds = std::chrono::duration<double, std::milli>;
+Expected<void> SilhouetteStage::begin(const capture::CameraFrame& frame,
+                                      const GiveWay& give_way,
+                                      PictureSilhouette& out) {
     const auto begin = Clock::now();
-    if (!is_offered_) offer(frame, give_way, out);
-    image::WorkingPicture picture = picture_of(frame, out);
+    image::WorkingPicture picture(frame.image, out.picture_buffer);
     out.picture = picture.view();
     if (frame.silhouette != nullptr) {
         picture.make_all();
         out.mask.mask = *frame.silhouette;
         out.mask.forget();
     } else {
+        if (worker_ != nullptr) offer(frame, give_way, picture);
         if (auto segmented = segmenter_.segment(picture, out.mask, give_way); !segmented)
             return segmented;
         if (watch_.is_due()) watch_room(out);
         if (watch_.is_view_due()) watch_.look_at_view(out.picture, segmenter_.model().room.luma);
-        if (worker_ != nullptr) {
-            worker_->take(give_way, out.mask);
-            worker_->keep_last(out.mask.mask);
-        }
     }
     out.view_shift_px = watch_.view_shift();
+    out.segmentation_ms = Milliseconds(Clock::now() - begin).count();
+    is_begun_ = true;
+    return {};
+}
+
+Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
+                                     const GiveWay& give_way,
+                                     PictureSilhouette& out) {
+    if (!std::exchange(is_begun_, false)) {
+        if (auto begun = begin(frame, give_way, out); !begun) return begun;
+        is_begun_ = false;
+    }
+    const auto begun_at = Clock::now();
+    if (worker_ != nullptr && frame.silhouette == nullptr) {
+        worker_->take(give_way, out.mask);
+        worker_->keep_last(out.mask.mask);
+    }
     give_way();
     const auto segmented_at = Clock::now();
     out.counts = silhouette::extract_silhouette(
@@ -87,7 +93,7 @@ Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
     out.subject = silhouette::bounding_rect(scratch_.contours);
     out.outlines.swap(scratch_.outlines);
     out.dropped.swap(scratch_.dropped);
-    out.segmentation_ms = Milliseconds(segmented_at - begin).count();
+    out.segmentation_ms += Milliseconds(segmented_at - begun_at).count();
     out.polygons_ms = Milliseconds(Clock::now() - segmented_at).count();
     return {};
 }
@@ -149,10 +155,14 @@ std::vector<Expected<SilhouetteStage>> make_silhouette_stages(
     const SilhouetteStageOptions& options,
     std::stop_token stop,
     std::shared_ptr<segmentation_worker::WorkerTally> tally) {
-    auto rooms =
-        load_or_learn_backgrounds(source, cameras, options.background, options.segmentation, stop);
     std::vector<Expected<SilhouetteStage>> stages;
     stages.reserve(cameras.size());
+    if (auto fits = segmentation_worker::check(options.worker); !fits) {
+        while (stages.size() < cameras.size()) stages.emplace_back(tl::unexpected(fits.error()));
+        return stages;
+    }
+    auto rooms =
+        load_or_learn_backgrounds(source, cameras, options.background, options.segmentation, stop);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         const geometry::CalibratedCamera& camera = source.rig().cameras[cameras[i]];
         stages.push_back(rooms[i].map([&](segmentation::BackgroundStatistics& room) {

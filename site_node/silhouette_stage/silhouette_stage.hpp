@@ -57,9 +57,16 @@ public:
         worker_ = std::move(worker);
     }
 
-    /// Gives the picture to the worker, if there is one, so that it works while others do: before
-    /// `find` with the same frame and `out`, which else does it itself.
-    void offer(const capture::CameraFrame& frame, const GiveWay& give_way, PictureSilhouette& out);
+    /// Begins with a picture: its mask, unless the worker answers. `find` with the same frame and
+    /// `out` ends it; alone it does both. In between the worker works. Errors as `find`.
+    Expected<void> begin(const capture::CameraFrame& frame,
+                         const GiveWay& give_way,
+                         PictureSilhouette& out);
+    /// Waits for the worker's answer to the picture that was begun, until its time limit; `find`
+    /// then does not wait.
+    void await() {
+        if (worker_ != nullptr) worker_->await();
+    }
 
     /// Uses the frame's silhouette if it carries one, else segments its picture. Pictures must come
     /// in time order. Some of them serve to check the learned room (RoomWatch): if it seems to
@@ -77,7 +84,9 @@ public:
 
 private:
     void watch_room(const PictureSilhouette& found);
-    image::WorkingPicture picture_of(const capture::CameraFrame& frame, PictureSilhouette& out);
+    void offer(const capture::CameraFrame& frame,
+               const GiveWay& give_way,
+               image::WorkingPicture& picture);
 
     geometry::PinholeCamera intrinsics_;
     silhouette::SilhouetteOptions options_;
@@ -85,8 +94,7 @@ private:
     segmentation::Segmenter segmenter_;
     segmentation::RoomWatch watch_;
     std::unique_ptr<segmentation_worker::WorkerClient> worker_;  // null: none
-    bool is_offered_ = false;    // this picture; whether or not the worker took it
-    bool is_converted_ = false;  // to the working form, as a whole
+    bool is_begun_ = false;
     silhouette::SilhouetteScratch scratch_;
     std::vector<silhouette::SilhouettePolygon> polygons_;
     std::vector<std::vector<Eigen::Vector2d>> spare_contours_;

@@ -156,8 +156,8 @@ def _serve_connection(connection, make, lock):
             traceback.print_exc()
 
 
-def _listen(path):
-    """A socket at `path`, of this user alone. Replaces that of a worker which has ended."""
+def _listen(path, mode):
+    """A socket at `path`. Replaces that of a worker which has ended."""
     if os.path.exists(path):
         if not stat.S_ISSOCK(os.stat(path).st_mode):
             raise WorkerError(f"{path}: is there already, and no socket")
@@ -171,7 +171,7 @@ def _listen(path):
             else:
                 raise WorkerError(f"{path}: another worker serves there")
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    mask = os.umask(0o177)
+    mask = os.umask(0o777 & ~mode)
     try:
         listener.bind(path)
     except OSError as error:
@@ -187,7 +187,7 @@ def _interrupt(_signal, _frame):
     raise KeyboardInterrupt
 
 
-def serve(path, make, parallel=False):
+def serve(path, make, parallel=False, mode=0o600):
     """Serves the sites that connect to the socket `path`, until Ctrl-C or SIGTERM.
 
     make(camera) is called once for each camera that connects. It returns segment(picture, background, last_mask), which is called for each
@@ -195,10 +195,11 @@ def serve(path, make, parallel=False):
     the call only. It returns the alpha, height x width: uint8 (from 128 on a person), bool, or float from 0 to 1. If it raises, the picture
     has none.
 
-    One picture at a time is segmented. parallel: those of different cameras at the same time, each camera in its own thread.
+    One picture at a time is segmented. parallel: those of different cameras at the same time, each camera in its own thread. mode: rights on
+    the socket; sites of other users need to write to it.
     """
     lock = contextlib.nullcontext() if parallel else threading.Lock()
-    listener = _listen(path)
+    listener = _listen(path, mode)
     own = os.stat(path).st_ino
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _interrupt)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """A segmentation worker for sites of Atrium: background difference with OpenCV (docs/segmentation_worker.md).
 
 An example to start from: it shows how a segmentation of your own is plugged in. The built-in segmentation copes better with shadows and
@@ -48,6 +47,7 @@ def main():
     parser.add_argument("--weak", type=int, default=14, help="least difference of a person [grey levels] (default: %(default)s)")
     parser.add_argument("--strong", type=int, default=40, help="difference that some part of a person has (default: %(default)s)")
     parser.add_argument("--parallel", action="store_true", help="segment the pictures of several cameras at the same time")
+    parser.add_argument("--mode", type=lambda text: int(text, 8), default=0o600, help="rights on the socket (default: 600, you alone)")
     given = parser.parse_args()
     if given.parallel:
         cv2.setNumThreads(1)  # the cameras share the cores
@@ -56,7 +56,7 @@ def main():
         return lambda picture, background, last_mask: segment(picture, background, last_mask, given.weak, given.strong)
 
     try:
-        atrium_segmentation.serve(given.socket, make, given.parallel)
+        atrium_segmentation.serve(given.socket, make, given.parallel, given.mode)
     except atrium_segmentation.WorkerError as error:
         sys.exit(f"error: {error}")
 

@@ -81,7 +81,7 @@ TEST_F(StageWithWorker, FallsBackToTheMaskThatASiteWithoutAWorkerHas) {
     for (int i = 0; i < 200; ++i) {
         const capture::CameraFrame picture = frame(i, random);
         ASSERT_TRUE(alone.find(picture, {}, found_alone));
-        with.offer(picture, {}, found);
+        ASSERT_TRUE(with.begin(picture, {}, found));
         if (i == 20) {
             connection = worker.accept();
             connection->ready();
@@ -122,7 +122,7 @@ TEST_F(StageWithWorker, TakesContoursFromTheAlphaInsideTheAreas) {
     const auto connection = worker.accept();
     connection->ready();
     const capture::CameraFrame picture = frame(1, random);
-    stage.offer(picture, {}, found);
+    ASSERT_TRUE(stage.begin(picture, {}, found));
     const std::uint64_t number = connection->receive()->number;
     std::ranges::fill(connection->plane(56, 1), std::uint8_t{0});
     for (int y = 30; y < 90; ++y)  // half of it lies outside
@@ -150,7 +150,7 @@ TEST_F(StageWithWorker, ConvertsWholePicturesForTheWorker) {
     const auto connection = worker.accept();
     connection->ready();
     found.picture_buffer = {};
-    stage.offer({0, {2}, raw, nullptr}, {}, found);
+    ASSERT_TRUE(stage.begin({0, {2}, raw, nullptr}, {}, found));
     EXPECT_THAT(connection->plane(40, 3), testing::ElementsAreArray(bytes));
     connection->answer(connection->receive()->number, 255);
     ASSERT_TRUE(stage.find({0, {2}, raw, nullptr}, {}, found));
@@ -171,7 +171,8 @@ TEST_F(StageWithWorker, LeavesFramesWithSilhouettesAlone) {
     capture::CameraFrame picture = frame(0, random);
     picture.silhouette = std::make_shared<image::Mask>(kWhole.width, kWhole.height, 255);
     PictureSilhouette found;
-    stage.offer(picture, {}, found);
+    ASSERT_TRUE(stage.begin(picture, {}, found));
+    stage.await();
     ASSERT_TRUE(stage.find(picture, {}, found));
     EXPECT_EQ(segmentation::test::foreground_part(found.mask.mask, kWhole), 1.0);
     EXPECT_EQ(tally_->counts().num_pictures(), 0u);
