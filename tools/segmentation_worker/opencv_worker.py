@@ -15,30 +15,45 @@ except ImportError as error:
     sys.exit(f"error: {error}; install it with: sudo apt install python3-opencv")
 
 EDGE_PX = 9  # how far people move between two pictures
+SHADOW = (0.5, 1.1)  # what shadow and reflected light make of the brightness of a surface
 
 
 def difference(picture, background):
     """The largest difference of the three colours, without single pixels of noise."""
-    channels = cv2.split(cv2.absdiff(picture, background))
-    return cv2.medianBlur(cv2.max(cv2.max(channels[0], channels[1]), channels[2]), 3)
+    blue, green, red = cv2.split(cv2.absdiff(picture, background))
+    return cv2.medianBlur(cv2.max(cv2.max(blue, green), red), 3)
+
+
+def without_shadows(distance, picture, background, weak):
+    """The difference, 0 where it is weak or where another brightness of the same surface explains it."""
+    here = picture.astype(numpy.float32)
+    room = background.astype(numpy.float32)
+    sum_of_colours = numpy.ones((1, 3), numpy.float32)
+    light = cv2.transform(here * room, sum_of_colours) / (cv2.transform(room * room, sum_of_colours) + 1.0)
+    rest = difference(here, room * numpy.clip(light, *SHADOW)[:, :, None])
+    return numpy.where((distance > weak) & (rest > weak), distance, 0).astype(numpy.uint8)
+
+
+def people(distance, last_mask, strong):
+    """The parts with a difference that hold a strong one, or that were people a moment ago."""
+    candidates = cv2.morphologyEx(cv2.compare(distance, 0, cv2.CMP_GT), cv2.MORPH_CLOSE, numpy.ones((7, 7), numpy.uint8))
+    core = cv2.erode(last_mask, numpy.ones((EDGE_PX, EDGE_PX), numpy.uint8))
+    num, parts = cv2.connectedComponents(candidates)
+    has_seed = numpy.zeros(num, numpy.uint8)
+    has_seed[parts[(distance > strong) | (core > 0)]] = 255
+    has_seed[0] = 0  # not a candidate
+    return cv2.blur(has_seed[parts], (3, 3))
 
 
 def segment(picture, background, last_mask, weak, strong):
-    """Returns the alpha: the parts with a weak difference that hold a strong one, or that were people a moment ago."""
+    """Returns the alpha. Most of the work is done only around what differs from the empty room."""
+    alpha = numpy.zeros(last_mask.shape, numpy.uint8)
     distance = difference(picture, background)
-    _, candidates = cv2.threshold(distance, weak, 255, cv2.THRESH_BINARY)
-    candidates = cv2.morphologyEx(candidates, cv2.MORPH_CLOSE, numpy.ones((5, 5), numpy.uint8))
-    core = cv2.erode(last_mask, numpy.ones((EDGE_PX, EDGE_PX), numpy.uint8))
-    seeds = cv2.bitwise_or(cv2.compare(distance, strong, cv2.CMP_GT), cv2.bitwise_and(core, candidates))
-    # which parts have a seed: at half the size, in a quarter of the time
-    half = (picture.shape[1] // 2, picture.shape[0] // 2)
-    num, parts = cv2.connectedComponents(cv2.resize(candidates, half, interpolation=cv2.INTER_NEAREST))
-    has_seed = numpy.zeros(num, numpy.uint8)
-    has_seed[parts[cv2.resize(seeds, half, interpolation=cv2.INTER_NEAREST) > 0]] = 255
-    has_seed[0] = 0  # not a candidate
-    people = cv2.dilate(has_seed[parts], numpy.ones((3, 3), numpy.uint8))
-    people = cv2.bitwise_and(candidates, cv2.resize(people, candidates.shape[::-1], interpolation=cv2.INTER_NEAREST))
-    return cv2.blur(people, (3, 3))
+    x, y, width, height = cv2.boundingRect(cv2.compare(distance, weak, cv2.CMP_GT))
+    if width > 0:
+        box = numpy.s_[y : y + height, x : x + width]
+        alpha[box] = people(without_shadows(distance[box], picture[box], background[box], weak), last_mask[box], strong)
+    return alpha
 
 
 def main():
