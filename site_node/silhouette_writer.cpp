@@ -18,6 +18,7 @@ namespace atrium::site_node {
 namespace {
 
 namespace fs = std::filesystem;
+using Tally = segmentation_worker::WorkerTally;
 
 Expected<void> prepare_folder(const fs::path& folder, bool overwrite) {
     std::error_code problem;
@@ -60,9 +61,10 @@ private:
 
 Expected<std::vector<CameraWriter>> make_writers(capture::FrameSource& source,
                                                  const SiteNodeConfig& config,
+                                                 const std::shared_ptr<Tally>& tally,
                                                  const std::stop_token& stop) {
     std::vector<CameraWriter> writers;
-    auto stages = make_silhouette_stages(source, all_cameras(source), config.pipeline, stop);
+    auto stages = make_silhouette_stages(source, all_cameras(source), config.pipeline, stop, tally);
     for (std::size_t i = 0; i < stages.size(); ++i) {
         const geometry::CalibratedCamera& camera = source.rig().cameras[i];
         if (!stages[i]) return tl::unexpected(stages[i].error());
@@ -114,7 +116,10 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
     if (auto fits = check_areas(config.pipeline, (*source)->rig()); !fits) return fits;
     const fs::path& folder = config.write_silhouettes;
     if (auto ready = prepare_folder(folder, config.overwrite); !ready) return ready;
-    auto writers = make_writers(**source, config, stop);
+    const segmentation_worker::WorkerOptions& worker = config.pipeline.worker;
+    const auto tally =
+        worker.socket.empty() ? nullptr : std::make_shared<Tally>(worker.deadline_ms);
+    auto writers = make_writers(**source, config, tally, stop);
     if (!writers) {
         if (stop.stop_requested()) return {};
         return tl::unexpected(writers.error());
@@ -140,6 +145,7 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
                    folder.string(),
                    num_metaframes,
                    num_pictures);
+    if (tally != nullptr) app::log::info("segmentation_worker {}", tally->line());
     if (num_missing > 0) {
         app::log::warn("pictures were missing or unreadable and are not in the output pictures={}",
                        num_missing);

@@ -28,8 +28,12 @@ Expected<SharedPictures> SharedPictures::create(const Layout& layout,
         return failed(problem);
     if (fcntl(memory.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) < 0)
         return failed(errno);
-    void* const bytes =
-        mmap(nullptr, layout.num_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, memory.get(), 0);
+    void* const bytes = mmap(nullptr,
+                             layout.num_bytes,
+                             PROT_READ | PROT_WRITE,
+                             MAP_SHARED | MAP_POPULATE,
+                             memory.get(),
+                             0);
     if (bytes == MAP_FAILED) return failed(errno);
     SharedPictures pictures(layout, std::move(memory), static_cast<std::uint8_t*>(bytes));
     const auto header = encode_header(layout, deadline_us, camera);

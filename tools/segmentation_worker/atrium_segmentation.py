@@ -52,7 +52,8 @@ class Camera:
         num_bytes = os.fstat(descriptor).st_size
         if num_bytes < HEADER.size:
             raise WorkerError("the site's memory is too small")
-        memory = mmap.mmap(descriptor, num_bytes)
+        at_once = getattr(mmap, "MAP_POPULATE", 0)  # else the first picture is late
+        memory = mmap.mmap(descriptor, num_bytes, mmap.MAP_SHARED | at_once)
         (magic, version, _, told_bytes, self.width, self.height, background, picture, last_mask, alpha, deadline_us, _,
          name) = HEADER.unpack_from(memory)
         if magic != MAGIC:
@@ -213,7 +214,8 @@ def serve(path, make, parallel=False, mode=0o600):
     listener = _listen(path, mode)
     own = os.stat(path).st_ino
     if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, _interrupt)
+        for ending in (signal.SIGINT, signal.SIGTERM):  # a shell that starts it in the background lets it ignore the first
+            signal.signal(ending, _interrupt)
     _say(f"serving at {path}; Ctrl-C ends")
     try:
         while True:
