@@ -56,6 +56,8 @@ std::string WorkerTally::line() const {
 
 void WorkerTally::look(Clock::time_point now) {
     const std::lock_guard lock(mutex_);
+    if (!first_look_) first_look_ = now;
+    if (now - *first_look_ < kWarmUp) return;
     while (looks_.size() > 1 && looks_[1].time <= now - kWindow) looks_.pop_front();
     looks_.push_back({now, counts_});
     const bool was_fine = finding_.empty();

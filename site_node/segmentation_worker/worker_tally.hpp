@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace atrium::segmentation_worker {
@@ -44,11 +45,13 @@ public:
     /// "answered=298 late=2 invalid=0 absent=0 median_ms=8.1 p99_ms=14.0"
     std::string line() const;
 
-    /// Judges the last `kWindow`, and logs what is newly wrong. Call it about once a second.
+    /// Judges the last `kWindow`, and logs what is newly wrong. Leaves out the first `kWarmUp`, in
+    /// which workers are slow. Call it about once a second.
     void look(Clock::time_point now);
     /// What is wrong, as a line of a status, "what: cure"; empty if nothing is.
     std::string finding() const;
     static constexpr std::chrono::seconds kWindow{10};
+    static constexpr std::chrono::seconds kWarmUp{5};
 
     /// Log that a camera has the worker, or lost it. Cameras do so at the same time, so others are
     /// held back.
@@ -66,6 +69,7 @@ private:
     mutable std::mutex mutex_;
     WorkerCounts counts_;
     LatencyWindow latency_;
+    std::optional<Clock::time_point> first_look_;
     std::deque<Look> looks_;
     std::string finding_;
     app::log::OncePerSecond there_;

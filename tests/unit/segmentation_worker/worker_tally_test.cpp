@@ -11,6 +11,10 @@ using testing::StartsWith;
 
 class Tally : public testing::Test {
 protected:
+    void SetUp() override {
+        tally_.look(now_);
+        now_ += WorkerTally::kWarmUp;
+    }
     // Ten seconds of pictures, of which each nth goes another way.
     template <typename Count>
     std::string finding_of(int num, int every, Count count_bad) {
@@ -55,6 +59,21 @@ TEST_F(Tally, ForgetsWhatIsOver) {
     EXPECT_NE(finding_of(100, 1, [&] { tally_.count_absent(); }), "");
     now_ += WorkerTally::kWindow;
     EXPECT_EQ(finding_of(100, 1000, [&] { tally_.count_absent(); }), "");
+}
+
+TEST(TallyAtTheStart, LeavesOutTheFirstSeconds) {
+    WorkerTally tally(20.0);
+    WorkerTally::Clock::time_point now{};
+    for (int second = 0; second < 20; ++second) {
+        tally.look(now + std::chrono::seconds(second));
+        EXPECT_EQ(tally.finding(), "");
+        for (int i = 0; i < 30; ++i) {
+            if (second < 4)
+                tally.count_late();
+            else
+                tally.count_answered();
+        }
+    }
 }
 
 TEST_F(Tally, DoesNotJudgeFewPictures) {
