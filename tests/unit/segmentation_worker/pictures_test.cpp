@@ -7,7 +7,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
 
 namespace atrium::segmentation_worker {
 namespace {

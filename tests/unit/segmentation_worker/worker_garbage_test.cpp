@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <memory>
+#include <optional>
+#include <vector>
 
 namespace atrium::segmentation_worker {
 namespace {
