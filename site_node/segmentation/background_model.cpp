@@ -1,5 +1,7 @@
 #include "site_node/segmentation/background_model.hpp"
 
+#include "site_node/segmentation/edge_width.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,6 +21,22 @@ constexpr std::int32_t kClippedMean = kClipped * 256;
 
 std::int16_t fixed_point(double value, double one) {
     return static_cast<std::int16_t>(std::clamp(std::round(value * one), -32767.0, 32767.0));
+}
+
+// In a sharp picture only one pixel at an outline is a mixture of two colours; what is darker than
+// the person beside it is the person's rim. In a blurred one the mixture decides.
+constexpr double kSharp_px = 1.1;
+constexpr double kBlurred_px = 1.4;
+constexpr double kSharpFactor = 5.0;  // in 1/8
+constexpr double kBlurredFactor = 8.0;
+constexpr std::int32_t kUnknownFactor = 6;
+
+std::int32_t person_factor_of(const BackgroundStatistics& room) {
+    const auto width_px = edge_width_px(room);
+    if (!width_px) return kUnknownFactor;
+    const double blur = std::clamp((*width_px - kSharp_px) / (kBlurred_px - kSharp_px), 0.0, 1.0);
+    return static_cast<std::int32_t>(
+        std::lround(kSharpFactor + blur * (kBlurredFactor - kSharpFactor)));
 }
 
 std::uint8_t part_of_256(double part) {
@@ -235,6 +253,7 @@ BackgroundModel make_model(BackgroundStatistics statistics, const SegmentationOp
     model.min_luma_noise = static_cast<std::int32_t>(
         std::lround(256.0 * options.max_luma_distance * options.min_luma_sigma));
     model.highlight = static_cast<std::int32_t>(std::lround(256.0 * (1.0 + options.max_highlight)));
+    model.person_factor = person_factor_of(model.room);
     for (std::size_t block = 0; block < model.u.size(); ++block)
         set_chroma_noise(options, block, model);
     limit_near_hues(model);

@@ -87,6 +87,9 @@ struct BackgroundModel {
     std::int32_t min_luma_noise = 0;  // in 1/256
     std::int32_t highlight = 0;       // 1 + the fraction, in 1/256
 
+    /// Of OutlineRefinement: factor on the squared distance to a person's colour, in 1/8.
+    std::int32_t person_factor = 8;
+
     int width() const { return room.width; }
     int height() const { return room.height; }
     int groups_per_row() const { return (room.width + kPixelsPerGroup - 1) / kPixelsPerGroup; }

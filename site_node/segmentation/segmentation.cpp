@@ -220,6 +220,7 @@ void Segmenter::test_and_clean(image::WorkingPicture& picture,
         give_way();
     }
     remove_small_runs(out, options_.min_area_px, options_.max_hole_px, clean_);
+    if (options_.refine_outline) outline_.refine(picture.view(), model_, inverse_gain, areas_, out);
 }
 
 }  // namespace atrium::segmentation

@@ -9,13 +9,14 @@
 #include "site_node/segmentation/background_model.hpp"
 #include "site_node/segmentation/clean_mask.hpp"
 #include "site_node/segmentation/light_adaptation.hpp"
+#include "site_node/segmentation/outline_refinement.hpp"
 #include "site_node/segmentation/pixel_test.hpp"
 #include "site_node/segmentation/segmentation_options.hpp"
 
 namespace atrium::segmentation {
 
 /// Finds the foreground, the people, in successive pictures of one camera: light compensation,
-/// per-pixel test, 3x3 majority, areas, removal of small parts.
+/// per-pixel test, 3x3 majority, areas, removal of small parts, outline by local colours.
 ///
 /// Tests two of every four rows everywhere, and the other two only in cells of 32 x 16 pixels with
 /// foreground and their eight neighbours. A line of at most two rows can therefore end where it
@@ -65,6 +66,7 @@ private:
     std::vector<std::uint8_t> has_people_;   // per cell
     std::vector<std::uint8_t> near_people_;  // of one row of cells
     CleanScratch clean_;
+    OutlineRefinement outline_;
 };
 
 }  // namespace atrium::segmentation

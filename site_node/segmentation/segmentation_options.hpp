@@ -34,6 +34,9 @@ struct SegmentationOptions {
     /// Largest drift that the model follows, in grey levels of luma; half as far for chroma.
     double max_drift = 40.0;
 
+    /// Decides the pixels at the outline by local colours (outline_refinement.hpp).
+    bool refine_outline = true;
+
     /// Specks of foreground smaller than this are removed; 0 keeps all.
     int min_area_px = 100;
     /// Holes in the foreground smaller than this are filled; 0 keeps all.

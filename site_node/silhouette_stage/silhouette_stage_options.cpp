@@ -74,6 +74,9 @@ void declare(SilhouetteStageOptions& options, config::OptionSet& set) {
             segmentation.max_drift,
             "largest drift that the background model follows [grey levels of luma]",
             {0, 255});
+    set.add("segmentation.refine_outline",
+            segmentation.refine_outline,
+            "decides the pixels at the outline of people by the colours beside them");
     set.add("segmentation.min_area_px",
             segmentation.min_area_px,
             "specks smaller than this are removed [px]",

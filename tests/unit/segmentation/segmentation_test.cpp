@@ -208,6 +208,7 @@ TEST(Segmentation, FindsTheSameAsATestOfEveryPixel) {
         SegmentationOptions options;
         options.max_gain_change = 0.0;
         options.drift_frames = 0.0;
+        options.refine_outline = false;
         const BackgroundModel model = make_model(learned, options);
         Segmenter segmenter(learned, options);
         image::SparseMask sparse;
