@@ -64,8 +64,9 @@ cv::Mat as_mat(const image::Mask& mask) {
         .clone();
 }
 
-Result atrium_mask(const SegmentationScene& scene) {
-    const segmentation::SegmentationOptions options;
+Result atrium_mask(const SegmentationScene& scene, bool refine_outline) {
+    segmentation::SegmentationOptions options;
+    options.refine_outline = refine_outline;
     segmentation::BackgroundLearner learner;
     image::YuvImage buffer;
     for (const cv::Mat& bgr : scene.empty)
@@ -191,9 +192,10 @@ int run(const std::string& pictures, bool ours_only) {
         ATRIUM_SOURCE_DIR "/../shared/data/recordings",
         ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml",
         [&](const SegmentationScene& scene) {
-            const Result ours = atrium_mask(scene);
+            const Result ours = atrium_mask(scene, true);
             report(scene, "atrium", ours);
             draw(scene, ours.mask, pictures);
+            report(scene, "atrium_unrefined", atrium_mask(scene, false));
             if (ours_only) return;
             report(scene, "mog2", mog2(scene, 16.0));
             report(scene, "knn", knn(scene, 400.0));

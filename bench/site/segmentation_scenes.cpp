@@ -1,5 +1,6 @@
 #include "bench/site/segmentation_scenes.hpp"
 
+#include "bench/site/pasted_people.hpp"
 #include "core/config/rig.hpp"
 #include "simulation/room_renderer.hpp"
 #include "tests/support/pictures/bgr_from_yuv.hpp"
@@ -135,7 +136,8 @@ bool visit_segmentation_scenes(const std::string& recordings,
                                const std::string& rig,
                                const std::function<void(const SegmentationScene&)>& visit) {
     if (std::filesystem::exists(recordings)) {
-        if (!visit_recordings(recordings, visit)) return false;
+        if (!visit_recordings(recordings, visit) || !visit_pasted_people(recordings, visit))
+            return false;
     } else {
         std::cerr << recordings << " is not there: simulated rooms only\n";
     }
