@@ -124,9 +124,10 @@ void declare_hull(HullStageOptions& hull, config::OptionSet& set) {
             {0, 64});
     set.add("hull.refine",
             hull.refine,
-            "of the hull: round its corners, where it lies outside of every smooth body with the "
-            "same silhouettes; or leave it exact",
-            {"round", "off"});
+            "of the hull: photo: move it inwards to where the pictures agree; round: round its "
+            "corners, where it lies outside of every smooth body with the same silhouettes; off: "
+            "leave it exact",
+            {"photo", "round", "off"});
     set.add("hull.min_component_l",
             hull.min_component_l,
             "components smaller than this are dropped, unless phantoms are kept [l]",
@@ -352,6 +353,11 @@ Expected<void> check(const SiteNodeConfig& config) {
         return wrong(
             "--record: a site on several hosts is not recorded: each host has the pictures of its "
             "own cameras only");
+    }
+    if (config.pipeline.hull.refine == "photo" && !config.hosts.empty()) {
+        return wrong(
+            "hull.refine: a site on several hosts cannot use photo: the hulls are computed without "
+            "the pictures, which stay on the hosts of the cameras; use round or off");
     }
     if (config.capture.min_cameras == 1) {
         return wrong(

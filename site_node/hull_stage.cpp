@@ -143,7 +143,8 @@ Expected<HullStage> HullStage::create(std::span<const geometry::CalibratedCamera
     stage.are_bounds_optional_ = options.bounds && !options.partial_views;
     stage.options_.min_views = options.min_views;
     stage.options_.keep_phantoms = options.keep_phantoms;
-    stage.rounds_corners_ = options.refine == "round";
+    if (options.refine == "round") stage.refinement_ = Refinement::kRound;
+    if (options.refine == "photo") stage.refinement_ = Refinement::kPhoto;
     stage.options_.min_component_volume_m3 = options.min_component_l / kLitresPerM3;
     stage.min_delivered_ = std::max(kFewestViews, options.min_views);
     stage.views_.resize(cameras.size());
@@ -244,23 +245,44 @@ void HullStage::compute_within_bounds(Executor& executor, hull::VisualHull& hull
     hull::compute_visual_hull(pointers_, options_, hull_scratch_, executor, hull);
 }
 
-void HullStage::refine(hull::VisualHull& hull) {
+void HullStage::refine(geometry::TriangleMesh& mesh, Executor& executor) {
+    if (refinement_ == Refinement::kRound) rounding_.round(mesh, refined_views_);
+    if (refinement_ == Refinement::kPhoto) photo_.refine(mesh, refined_pictures_, executor);
+}
+
+// Each mesh with the views of its hull. Those of `pointers_` are views of `views_`.
+void HullStage::refine(hull::VisualHull& hull,
+                       std::span<const refine::PictureView> pictures,
+                       Executor& executor) {
+    const auto add = [&](const hull::SilhouetteView* view) {
+        if (view == nullptr) return;
+        refined_views_.push_back(view);
+        if (!pictures.empty())
+            refined_pictures_.push_back(pictures[static_cast<std::size_t>(view - views_.data())]);
+    };
+    const auto forget = [&] {
+        refined_views_.clear();
+        refined_pictures_.clear();
+    };
     if (regions_.empty()) {
-        rounding_.round(hull.mesh, pointers_);
+        forget();
+        std::ranges::for_each(pointers_, add);
+        refine(hull.mesh, executor);
         return;
     }
     hull.mesh.clear();
     for (std::size_t i = 0; i < regions_.size(); ++i) {
-        // the views of a region, as its hull was computed
-        region_views_.clear();
-        for (const std::uint32_t view : regions_[i].views) region_views_.push_back(pointers_[view]);
+        forget();
+        for (const std::uint32_t view : regions_[i].views) add(pointers_[view]);
+        if (regions_[i].views.empty()) std::ranges::for_each(pointers_, add);
         geometry::TriangleMesh& part = region_scratch_.parts[i].mesh;
-        rounding_.round(part, regions_[i].views.empty() ? pointers_ : region_views_);
+        refine(part, executor);
         geometry::append(hull.mesh, part);
     }
 }
 
 void HullStage::compute(std::span<const std::uint8_t> delivered,
+                        std::span<const refine::PictureView> pictures,
                         Executor& executor,
                         hull::VisualHull& hull) {
     const auto num_delivered = static_cast<std::size_t>(
@@ -283,7 +305,8 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
     } else {
         hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
     }
-    if (rounds_corners_ && hull.status == hull::HullStatus::kOk) refine(hull);
+    if (refinement_ != Refinement::kOff && hull.status == hull::HullStatus::kOk)
+        refine(hull, pictures, executor);
 }
 
 }  // namespace atrium::site_node

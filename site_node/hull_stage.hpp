@@ -7,6 +7,7 @@
 #include "site_node/hull/corner_rounding.hpp"
 #include "site_node/hull/regions.hpp"
 #include "site_node/hull/visual_hull.hpp"
+#include "site_node/refine/photo_refinement.hpp"
 
 #include <Eigen/Core>
 
@@ -35,7 +36,8 @@ struct HullStageOptions {
     std::uint32_t min_views = 0;           // cameras that must see a point of the hull
     bool keep_phantoms = false;
     double min_component_l = 0.005;  // [l]
-    /// "round": corners move to where a smooth body would be (CornerRounding); "off": exact hull.
+    /// "photo": the surface moves to where the pictures agree (PhotoRefinement); "round": corners
+    /// move to where a smooth body would be (CornerRounding); "off": exact hull.
     std::string refine = "off";
     /// False: nobody is outside a picture, and its border cuts the hull. True: space outside the
     /// pictures is unknown; needs bounds, here or in the rig.
@@ -81,9 +83,15 @@ public:
     /// Computes the hull from the cameras with `delivered[camera] != 0`; the others cut nothing
     /// away. Status kTooFewViews if fewer than two cameras, or fewer than `min_views`, delivered.
     /// With regions, a region with too few cameras is skipped and counted as failed.
+    ///
+    /// `pictures`, for "photo": one per camera, empty where there is none. Less than two leave the
+    /// exact hull.
     void compute(std::span<const std::uint8_t> delivered,
+                 std::span<const refine::PictureView> pictures,
                  Executor& executor,
                  hull::VisualHull& hull);
+
+    bool uses_pictures() const { return refinement_ == Refinement::kPhoto; }
 
     const std::vector<hull::Region>& regions() const { return regions_; }
 
@@ -93,7 +101,11 @@ public:
 private:
     HullStage() = default;
     void compute_within_bounds(Executor& executor, hull::VisualHull& hull);
-    void refine(hull::VisualHull& hull);
+    enum class Refinement : std::uint8_t { kOff, kRound, kPhoto };
+    void refine(hull::VisualHull& hull,
+                std::span<const refine::PictureView> pictures,
+                Executor& executor);
+    void refine(geometry::TriangleMesh& mesh, Executor& executor);
     Expected<void> add_regions(std::span<const geometry::CalibratedCamera> cameras,
                                const HullStageOptions& options);
     Expected<void> add_fields(std::span<const geometry::CalibratedCamera> cameras,
@@ -109,9 +121,12 @@ private:
     std::vector<const hull::SilhouetteView*> pointers_;
     hull::HullScratch hull_scratch_;
     hull::RegionScratch region_scratch_;
-    bool rounds_corners_ = false;
+    Refinement refinement_ = Refinement::kOff;
     hull::CornerRounding rounding_;
-    std::vector<const hull::SilhouetteView*> region_views_;
+    refine::PhotoRefinement photo_;
+    // of the mesh that is refined
+    std::vector<const hull::SilhouetteView*> refined_views_;
+    std::vector<refine::PictureView> refined_pictures_;
 };
 
 }  // namespace atrium::site_node

@@ -293,6 +293,22 @@ void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
     }
 }
 
+// What refines the hull; camera nodes keep their pictures.
+std::span<const refine::PictureView> Pipeline::pictures_of(const Silhouettes& silhouettes) {
+    pictures_.clear();
+    if (!hull_.uses_pictures()) return pictures_;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        refine::PictureView& view = pictures_.emplace_back(refine::PictureView{&cameras_[i]});
+        const capture::CameraFrame& frame = silhouettes.metaframe_.frames[i];
+        if (silhouettes.delivered_[i] == 0 || frame.found != nullptr || frame.is_lost()) continue;
+        const Silhouettes::Camera& seen = *silhouettes.cameras_[i];
+        view.picture = seen.picture;
+        view.mask = &seen.mask.mask;
+        view.subject = seen.subject;
+    }
+    return pictures_;
+}
+
 Expected<void> Pipeline::compute(Silhouettes& silhouettes,
                                  const ColourCoding& coding,
                                  Executor& executor,
@@ -312,7 +328,7 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     }
     if (remote_ != nullptr)
         remote_->order({frame.frame_id, frame.capture_time}, hull_.views(), silhouettes.delivered_);
-    hull_.compute(silhouettes.delivered_, executor, frame.hull);
+    hull_.compute(silhouettes.delivered_, pictures_of(silhouettes), executor, frame.hull);
 
     const auto encode_begin = Clock::now();
     Expected<void> encoded;

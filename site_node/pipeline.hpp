@@ -173,6 +173,7 @@ private:
                                   const ColourCoding& coding,
                                   std::size_t camera,
                                   CodedCamera& coded);
+    std::span<const refine::PictureView> pictures_of(const Silhouettes& silhouettes);
     bool has_own_hull() const;
     static void name_remote_textures(const capture::Metaframe& metaframe, SiteFrame& frame);
     Expected<void> encode(Silhouettes& silhouettes,
@@ -189,6 +190,7 @@ private:
     std::vector<std::unique_ptr<CameraStage>> stages_;  // one per camera
     HullStage hull_;
     std::shared_ptr<segmentation_worker::WorkerTally> worker_;
+    std::vector<refine::PictureView> pictures_;  // per camera
     hosts::RemoteRegions* remote_ = nullptr;
     MeshCoding meshes_;                     // one of each region, or one
     std::vector<CodedCamera> spare_coded_;  // memory for cameras that see somebody again

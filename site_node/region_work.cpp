@@ -95,7 +95,7 @@ Expected<void> RegionWork::compute(const bus::RegionOrder& order,
     }
     if (auto taken = take(order); !taken) return taken;
     const auto hull_begin = Clock::now();
-    hull_.compute(delivered_, executor, whole_);
+    hull_.compute(delivered_, {}, executor, whole_);
     answer.hull_ms = milliseconds_since(hull_begin);
     meshes_.clear();
     const auto hulls = hull_.region_hulls();

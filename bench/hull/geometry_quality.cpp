@@ -9,7 +9,9 @@
 #include "simulation/room_renderer.hpp"
 #include "site_node/hull/corner_rounding.hpp"
 #include "site_node/hull/visual_hull.hpp"
+#include "site_node/refine/photo_refinement.hpp"
 #include "site_node/silhouette/silhouette.hpp"
+#include "tests/support/shapes/bounding_rect.hpp"
 #include "tests/support/shapes/solid_error.hpp"
 
 #include <fmt/format.h>
@@ -48,22 +50,30 @@ double ms_since(std::chrono::steady_clock::time_point start) {
         .count();
 }
 
-// The hull of true masks: what the geometry adds to the error, not the segmentation.
-std::vector<hull::SilhouetteView> views_of(simulation::RoomRenderer& room, double time_s) {
+// What the cameras see at one instant.
+struct Instant {
     std::vector<hull::SilhouetteView> views;
+    std::vector<image::YuvImage> pictures;
+    std::vector<image::Mask> masks;
+};
+
+// With true masks: what the geometry adds to the error, not the segmentation.
+Instant film(simulation::RoomRenderer& room, double time_s) {
+    Instant instant;
+    instant.pictures.resize(room.cameras().size());
+    instant.masks.resize(room.cameras().size());
     silhouette::SilhouetteScratch scratch;
     std::vector<silhouette::SilhouettePolygon> polygons;
-    image::YuvImage picture;
-    image::Mask mask;
     for (std::size_t i = 0; i < room.cameras().size(); ++i) {
         const geometry::CalibratedCamera& camera = room.cameras()[i];
-        room.render(time_s, i, simulation::Scene::kPerson, 0, picture, &mask);
+        image::Mask& mask = instant.masks[i];
+        room.render(time_s, i, simulation::Scene::kPerson, 0, instant.pictures[i], &mask);
         silhouette::extract_silhouette(mask, camera.intrinsics, {}, scratch, polygons);
         hull::SilhouetteView view{camera.intrinsics, camera.camera_from_site, {}, {}};
         for (const auto& polygon : polygons) view.contours.push_back(polygon.vertices_px);
-        views.push_back(std::move(view));
+        instant.views.push_back(std::move(view));
     }
-    return views;
+    return instant;
 }
 
 void print(const Row& row) {
@@ -95,11 +105,18 @@ void measure(const std::string& look, const std::string& motion, const Options& 
     auto room = value_of(simulation::RoomRenderer::create(rig.cameras, room_options));
     hull::HullScratch scratch;
     hull::CornerRounding rounding;
+    refine::PhotoRefinement photo;
     for (int i = 0; i < options.instants; ++i) {
         const double time_s = room_options.loop_s * (i + 0.5) / options.instants;
-        const std::vector<hull::SilhouetteView> views = views_of(room, time_s);
+        const Instant instant = film(room, time_s);
+        const std::vector<hull::SilhouetteView>& views = instant.views;
         std::vector<const hull::SilhouetteView*> pointers;
-        for (const hull::SilhouetteView& view : views) pointers.push_back(&view);
+        std::vector<refine::PictureView> seen;
+        for (std::size_t k = 0; k < views.size(); ++k) {
+            const image::PixelRect subject = test::bounding_rect(instant.masks[k]);
+            pointers.push_back(&views[k]);
+            seen.push_back({&room.cameras()[k], instant.pictures[k], &instant.masks[k], subject});
+        }
         const auto start = std::chrono::steady_clock::now();
         const hull::VisualHull hull = hull::compute_visual_hull(views, {}, scratch);
         const double hull_ms = ms_since(start);
@@ -130,6 +147,17 @@ void measure(const std::string& look, const std::string& motion, const Options& 
                rounded.triangles.size(),
                hull_ms + ms_since(rounding_start),
                test::compare_solids(truth, rounded)});
+        geometry::TriangleMesh refined = hull.mesh;
+        SerialExecutor executor;
+        const auto refining_start = std::chrono::steady_clock::now();
+        photo.refine(refined, seen, executor);
+        print({look,
+               motion,
+               time_s,
+               "photo",
+               refined.triangles.size(),
+               hull_ms + ms_since(refining_start),
+               test::compare_solids(truth, refined)});
     }
 }
 

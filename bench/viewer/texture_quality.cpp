@@ -212,7 +212,10 @@ private:
     int num_views_ = 0;
 };
 
-bool rounds(const Options& options) { return options.refine == "round"; }
+test::Refinement refinement(const Options& options) {
+    if (options.refine == "photo") return test::Refinement::kPhoto;
+    return options.refine == "round" ? test::Refinement::kRound : test::Refinement::kOff;
+}
 
 // Only one context exists at a time: each comparison ends before the next begins.
 void compare_all(const std::string& scene,
@@ -249,7 +252,7 @@ void compare_full(const std::string& scene,
                   const Options& options) {
     if (options.publishing != "half") return;
     const auto person =
-        value_of(test::receive_person(texturing, test::Publishing::kFull, rounds(options)));
+        value_of(test::receive_person(texturing, test::Publishing::kFull, refinement(options)));
     compare_all(scene + " full", person, truths, options);
     Comparison comparison(scene + " full own", person, options, test::Sampling::kCentre);
     for (std::size_t i = 0; i < texturing.size(); ++i)
@@ -279,7 +282,7 @@ void compare_recording(const Options& options) {
     for (std::size_t i = 0; i < pictures.size(); ++i)
         (i % 2 == 0 ? texturing : held_back).push_back(pictures[i]);
     const auto person =
-        value_of(test::receive_person(texturing, publishing(options), rounds(options)));
+        value_of(test::receive_person(texturing, publishing(options), refinement(options)));
     compare_all(name, person, held_back, options);
     compare_own(name, person, texturing, options);
     compare_full(name, texturing, held_back, options);
@@ -319,7 +322,7 @@ void compare_screen(const Options& options) {
     room.look = options.look;
     const auto texturing = value_of(test::film_before_screen(rig, room, kTime_s, rig));
     const auto person =
-        value_of(test::receive_person(texturing, publishing(options), rounds(options)));
+        value_of(test::receive_person(texturing, publishing(options), refinement(options)));
     const auto viewpoints = test::free_viewpoints(20, 1000, 800.0);
     auto views = value_of(test::film_before_screen(rig, room, kTime_s, viewpoints));
     show_person_alone(rig, room, kTime_s, views);
@@ -337,7 +340,7 @@ void compare_room(const Options& options) {
     std::vector<TruePicture> pictures = value_of(test::film_room(cameras, room, kTime_s));
     const std::span<const TruePicture> texturing(pictures.data(), rig.size());
     const auto person =
-        value_of(test::receive_person(texturing, publishing(options), rounds(options)));
+        value_of(test::receive_person(texturing, publishing(options), refinement(options)));
     // at its own pose, though, a camera's picture is the truth itself
     const std::vector<TruePicture> filmed(texturing.begin(), texturing.end());
     show_person_alone(rig, room, kTime_s, pictures);
@@ -363,7 +366,7 @@ int run(int argc, char** argv) {
         options.publishing,
         "of textures: at half or full resolution through the codec, or as the cameras have them",
         {"half", "full", "uncoded"});
-    set.add("refine", options.refine, "of the hull, as hull.refine of a site", {"off", "round"});
+    set.add("refine", options.refine, "of the hull, as hull.refine of a site", {"off", "round", "photo"});
     set.add("only", options.only, "scenes whose names begin so: ring20, room, orbit, screen");
     set.add("pictures", options.pictures, "folder for pictures side by side: real, viewer, others");
     set.add("orbit-steps",

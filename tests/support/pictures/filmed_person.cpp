@@ -5,6 +5,7 @@
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/hull/corner_rounding.hpp"
 #include "site_node/hull/visual_hull.hpp"
+#include "site_node/refine/photo_refinement.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/texture/texture.hpp"
 #include "tests/support/pictures/bgr_from_yuv.hpp"
@@ -101,7 +102,7 @@ Expected<std::vector<TruePicture>> load_pictures(const std::filesystem::path& re
 
 Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
                                         Publishing publishing,
-                                        bool rounds_corners) {
+                                        Refinement refinement) {
     ReceivedPerson person;
     std::vector<hull::SilhouetteView> views;
     silhouette::SilhouetteScratch scratch;
@@ -129,10 +130,19 @@ Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
     if (hull.status != hull::HullStatus::kOk)
         return make_error(ErrorKind::kInvalidData, hull::to_string(hull.status));
     person.mesh = std::move(hull.mesh);
-    if (rounds_corners) {
+    if (refinement == Refinement::kRound) {
         std::vector<const hull::SilhouetteView*> pointers;
         for (const hull::SilhouetteView& view : views) pointers.push_back(&view);
         hull::CornerRounding().round(person.mesh, pointers);
+    }
+    if (refinement == Refinement::kPhoto) {
+        std::vector<refine::PictureView> seen;
+        for (const TruePicture& picture : pictures) {
+            const image::PixelRect subject = bounding_rect(picture.mask);
+            seen.push_back({&picture.camera, picture.yuv, &picture.mask, subject});
+        }
+        SerialExecutor executor;
+        refine::PhotoRefinement().refine(person.mesh, seen, executor);
     }
     return person;
 }

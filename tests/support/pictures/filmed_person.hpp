@@ -41,6 +41,9 @@ enum class Publishing : std::uint8_t {
     kAsTheyWere,  // at full resolution, not coded
 };
 
+/// As hull.refine of a site.
+enum class Refinement : std::uint8_t { kOff, kRound, kPhoto };
+
 /// A person as a viewer receives it.
 struct ReceivedPerson {
     geometry::TriangleMesh mesh;
@@ -48,9 +51,9 @@ struct ReceivedPerson {
 };
 
 /// Computes silhouettes, hull and textures from `pictures` with the stages of a site. True masks
-/// replace the segmentation. The mesh is the hull without coding, with rounded corners on request.
+/// replace the segmentation. The mesh is the hull, refined on request, without coding.
 Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
                                         Publishing publishing,
-                                        bool rounds_corners = false);
+                                        Refinement refinement = Refinement::kOff);
 
 }  // namespace atrium::test

@@ -109,8 +109,8 @@ TEST(HullStage, CutsAtTheBoundsExactlyWhileTheHullReachesOut) {
             bounded->contours(v) = {outline};
             unbounded->contours(v) = {outline};
         }
-        bounded->compute(all, executor, cut);
-        unbounded->compute(all, executor, whole);
+        bounded->compute(all, {}, executor, cut);
+        unbounded->compute(all, {}, executor, whole);
         ASSERT_EQ(cut.status, hull::HullStatus::kOk);
         ASSERT_EQ(whole.status, hull::HullStatus::kOk);
         const geometry::Aabb box = geometry::bounds(whole.mesh);
@@ -158,7 +158,7 @@ protected:
 
 TEST_F(TwoBodies, AreComputedInTheirRegions) {
     HullStage stage = make_stage();
-    stage.compute(std::vector<std::uint8_t>(8, 1), executor_, hull_);
+    stage.compute(std::vector<std::uint8_t>(8, 1), {}, executor_, hull_);
     ASSERT_EQ(hull_.status, hull::HullStatus::kOk) << to_string(hull_.status);
     EXPECT_EQ(hull_.num_components, 2u);
     EXPECT_EQ(hull_.num_regions_failed, 0u);
@@ -168,7 +168,7 @@ TEST_F(TwoBodies, AreComputedInTheirRegions) {
         options_.regions[0].cameras.clear();
         if (with_left) options_.regions[0].cameras = {"cam0", "cam2", "cam4"};
         HullStage other = make_stage();
-        other.compute(std::vector<std::uint8_t>(8, 1), executor_, hull_);
+        other.compute(std::vector<std::uint8_t>(8, 1), {}, executor_, hull_);
         const double volume = geometry::volume_m3(hull_.mesh);
         if (with_left) {
             left_l = volume;
@@ -181,11 +181,11 @@ TEST_F(TwoBodies, AreComputedInTheirRegions) {
 TEST_F(TwoBodies, AreRoundedOnRequestInEachRegionAsAlone) {
     const std::vector<std::uint8_t> all(8, 1);
     HullStage exact = make_stage();
-    exact.compute(all, executor_, hull_);
+    exact.compute(all, {}, executor_, hull_);
     const double exact_m3 = geometry::volume_m3(hull_.mesh);
     options_.refine = "round";
     HullStage rounded = make_stage();
-    rounded.compute(all, executor_, hull_);
+    rounded.compute(all, {}, executor_, hull_);
     ASSERT_EQ(hull_.status, hull::HullStatus::kOk);
     const geometry::MeshReport report = geometry::inspect(hull_.mesh);
     EXPECT_TRUE(report.manifold);
@@ -199,7 +199,7 @@ TEST_F(TwoBodies, AreRoundedOnRequestInEachRegionAsAlone) {
     const double left_m3 = geometry::volume_m3(rounded.region_hulls()[0].mesh);
     options_.regions.pop_back();
     HullStage alone = make_stage();
-    alone.compute(all, executor_, hull_);
+    alone.compute(all, {}, executor_, hull_);
     EXPECT_NEAR(geometry::volume_m3(hull_.mesh), left_m3, 1e-9);
 }
 
@@ -207,11 +207,11 @@ TEST_F(TwoBodies, AreRoundedWithoutRegions) {
     options_.regions.clear();
     HullStage exact = make_stage();
     const std::vector<std::uint8_t> all(8, 1);
-    exact.compute(all, executor_, hull_);
+    exact.compute(all, {}, executor_, hull_);
     const double exact_m3 = geometry::volume_m3(hull_.mesh);
     options_.refine = "round";
     HullStage rounded = make_stage();
-    rounded.compute(all, executor_, hull_);
+    rounded.compute(all, {}, executor_, hull_);
     EXPECT_TRUE(geometry::inspect(hull_.mesh).manifold);
     EXPECT_LT(geometry::volume_m3(hull_.mesh), 0.99 * exact_m3);
 }
@@ -225,16 +225,16 @@ TEST_F(TwoBodies, HaveAnotherFingerprintRounded) {
 TEST_F(TwoBodies, LoseARegionWithTooFewCamerasUntilTheyReturn) {
     HullStage stage = make_stage();
     std::vector<std::uint8_t> delivered(8, 1);
-    stage.compute(delivered, executor_, hull_);
+    stage.compute(delivered, {}, executor_, hull_);
     const geometry::TriangleMesh all = hull_.mesh;
     delivered[0] = delivered[4] = 0;  // one of three is left to the first region
-    stage.compute(delivered, executor_, hull_);
+    stage.compute(delivered, {}, executor_, hull_);
     ASSERT_EQ(hull_.status, hull::HullStatus::kOk);
     EXPECT_EQ(hull_.num_components, 1u);
     EXPECT_EQ(hull_.num_regions_failed, 1u);
     EXPECT_GT(geometry::bounds(hull_.mesh).min.x(), 1.0 - 1e-5);
     delivered.assign(8, 1);
-    stage.compute(delivered, executor_, hull_);
+    stage.compute(delivered, {}, executor_, hull_);
     EXPECT_EQ(hull_.num_regions_failed, 0u);
     EXPECT_EQ(hull_.mesh.vertices, all.vertices);
 }
@@ -251,7 +251,7 @@ TEST_F(TwoBodies, AllocateNothingOnceWarmEvenIfCamerasComeAndGo) {
                 delivered.fill(1);
                 delivered[static_cast<std::size_t>(lost)] = 0;
                 delivered[4] = lost == 0 ? 0 : 1;
-                stage.compute(delivered, executor_, hull_);
+                stage.compute(delivered, {}, executor_, hull_);
             }
         }
         EXPECT_EQ(atrium::test::num_allocations() - warm, 0u) << "regions " << with_regions;
@@ -263,16 +263,16 @@ TEST_F(TwoBodies, NeedTheMinimumNumberOfCameras) {
     options_.bounds = geometry::Aabb{{-2, -1, 0}, {2, 1, 2}};
     HullStage two = make_stage();
     std::vector<std::uint8_t> delivered{0, 0, 0, 1, 0, 0, 0, 0};
-    two.compute(delivered, executor_, hull_);
+    two.compute(delivered, {}, executor_, hull_);
     // bounds do not count as a second camera
     EXPECT_EQ(hull_.status, hull::HullStatus::kTooFewViews);
     EXPECT_TRUE(hull_.mesh.empty());
     delivered[5] = 1;
-    two.compute(delivered, executor_, hull_);
+    two.compute(delivered, {}, executor_, hull_);
     EXPECT_EQ(hull_.status, hull::HullStatus::kOk);
     options_.min_views = 3;
     HullStage three = make_stage();
-    three.compute(delivered, executor_, hull_);
+    three.compute(delivered, {}, executor_, hull_);
     EXPECT_EQ(hull_.status, hull::HullStatus::kTooFewViews);
 }
 

@@ -1,7 +1,7 @@
 #include "viewer/renderer/person/person_model.hpp"
 
+#include "core/image/inverse_depth.hpp"
 #include "viewer/renderer/person/fallback_colours.hpp"
-#include "viewer/renderer/person/inverse_depth.hpp"
 #include "viewer/renderer/person/person_rows.hpp"
 
 #include <Eigen/Geometry>
@@ -24,7 +24,7 @@ struct PersonModelScratch::Parts {
     std::vector<float> most_facing;  // per vertex: cosine of its face that faces the camera most
     Projected projected;
     std::vector<Eigen::Vector4f> corners;  // vertices in `depth`
-    InverseDepthPicture depth;
+    image::InverseDepthPicture depth;
     Seen seen;
     std::vector<std::vector<std::int32_t>> texels;  // per camera and vertex: index in its layer
     FallbackScratch fallback;
@@ -321,12 +321,12 @@ void build_person_model(const geometry::TriangleMesh& mesh_site,
         fill_layer(picture, out, out.layers.data() + index * layer_bytes(out));
         const CameraStage stage{picture, index, options};
         project_vertices(stage, out, scratch);
-        const float depth_scale = fit_inverse_depth(scratch.projected.undistorted,
+        const float depth_scale = image::fit_inverse_depth(scratch.projected.undistorted,
                                                     options.depth_picture_px,
                                                     scratch.corners,
                                                     scratch.depth);
         judge_faces(stage, scratch, out);
-        draw_inverse_depth(
+        image::draw_inverse_depth(
             scratch.corners, std::span(scratch.facing).first(scratch.num_facing), scratch.depth);
         judge_vertices(stage, depth_scale, scratch, out);
         ++index;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/image/axes.hpp"
 #include "core/image/colour_rows.hpp"
 
 #include <Eigen/Core>
@@ -13,23 +14,7 @@
 /// Vectorised inner loops of `build_person_model`. All instruction sets give the same bits.
 namespace atrium::renderer {
 
-/// Structure of arrays of three-component vectors.
-struct Axes {
-    std::vector<float> x, y, z;
-
-    void resize(std::size_t size) {
-        x.resize(size);
-        y.resize(size);
-        z.resize(size);
-    }
-    std::size_t size() const { return x.size(); }
-};
-
-inline void set(Axes& axes, std::size_t i, const Eigen::Vector3f& value) {
-    axes.x[i] = value.x();
-    axes.y[i] = value.y();
-    axes.z[i] = value.z();
-}
+using image::Axes;
 
 /// Projection of a camera and the mapping to its layer.
 struct Projection {

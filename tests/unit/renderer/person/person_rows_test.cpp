@@ -1,10 +1,10 @@
 #include "viewer/renderer/person/person_rows.hpp"
 
 #include "core/geometry/pinhole_camera.hpp"
+#include "core/image/inverse_depth.hpp"
 #include "tests/support/skips.hpp"
 #include "tests/unit/renderer/synthetic_person.hpp"
 #include "viewer/renderer/person/camera_blend.hpp"
-#include "viewer/renderer/person/inverse_depth.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -18,6 +18,7 @@
 namespace atrium::renderer {
 namespace {
 
+using image::InverseDepthPicture;
 using image::RowCode;
 
 constexpr RowCode kCodes[] = {RowCode::kBaseline, RowCode::kAvx2};

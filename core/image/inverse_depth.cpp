@@ -1,4 +1,4 @@
-#include "viewer/renderer/person/inverse_depth.hpp"
+#include "core/image/inverse_depth.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -10,7 +10,7 @@
 #endif
 #define ATRIUM_INLINE inline __attribute__((always_inline))
 
-namespace atrium::renderer {
+namespace atrium::image {
 namespace {
 
 // Pixels of a row drawn at once, in one or two registers.
@@ -306,11 +306,11 @@ float fit_inverse_depth(const Axes& points,
                         int long_side_px,
                         std::vector<Eigen::Vector4f>& corners,
                         InverseDepthPicture& picture,
-                        [[maybe_unused]] image::RowCode code) {
+                        [[maybe_unused]] RowCode code) {
     constexpr int kBorder = 1;
     Bounds bounds;
 #ifdef ATRIUM_AVX2
-    if (code == image::RowCode::kAvx2)
+    if (code == RowCode::kAvx2)
         find_bounds_avx2(points, bounds);
     else
 #endif
@@ -330,7 +330,7 @@ float fit_inverse_depth(const Axes& points,
     const std::array<float, 2> origin{bounds.low[0] - kBorder / scale,
                                       bounds.low[1] - kBorder / scale};
 #ifdef ATRIUM_AVX2
-    if (code == image::RowCode::kAvx2)
+    if (code == RowCode::kAvx2)
         place_avx2(points, origin, scale, corners);
     else
 #endif
@@ -341,14 +341,14 @@ float fit_inverse_depth(const Axes& points,
 void draw_inverse_depth(std::span<const Eigen::Vector4f> corners,
                         std::span<const std::array<std::uint32_t, 3>> triangles,
                         InverseDepthPicture& picture,
-                        [[maybe_unused]] image::RowCode code) {
+                        [[maybe_unused]] RowCode code) {
     picture.values.assign(
         static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) + kLanes,
         0.0f);
 #ifdef ATRIUM_AVX2
-    if (code == image::RowCode::kAvx2) return draw_avx2(corners, triangles, picture);
+    if (code == RowCode::kAvx2) return draw_avx2(corners, triangles, picture);
 #endif
     draw(corners, triangles, picture);
 }
 
-}  // namespace atrium::renderer
+}  // namespace atrium::image

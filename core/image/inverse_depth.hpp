@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/image/axes.hpp"
 #include "core/image/colour_rows.hpp"
-#include "viewer/renderer/person/person_rows.hpp"
 
 #include <Eigen/Core>
 
@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace atrium::renderer {
+namespace atrium::image {
 
 /// A coarse depth picture of a mesh: the inverse depth [1/m] of the nearest surface, 0 where there
 /// is none.
@@ -53,7 +53,7 @@ float fit_inverse_depth(const Axes& points,
                         int long_side_px,
                         std::vector<Eigen::Vector4f>& corners,
                         InverseDepthPicture& picture,
-                        image::RowCode code = image::best_row_code());
+                        RowCode code = best_row_code());
 
 /// Rasterises the triangles that face the camera. `corners` has one (x, y, inverse depth, unused)
 /// per vertex, x and y in pixels of the picture. Skips triangles with a corner behind the camera
@@ -62,6 +62,6 @@ float fit_inverse_depth(const Axes& points,
 void draw_inverse_depth(std::span<const Eigen::Vector4f> corners,
                         std::span<const std::array<std::uint32_t, 3>> triangles,
                         InverseDepthPicture& picture,
-                        image::RowCode code = image::best_row_code());
+                        RowCode code = best_row_code());
 
-}  // namespace atrium::renderer
+}  // namespace atrium::image

@@ -1,0 +1,132 @@
+#pragma once
+
+#include "core/base/executor.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "core/image/axes.hpp"
+#include "core/image/inverse_depth.hpp"
+#include "site_node/refine/luma_picture.hpp"
+#include "site_node/refine/patch_scores.hpp"
+#include "site_node/refine/surfels.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace atrium::refine {
+
+struct InwardSweepOptions {
+    SurfelOptions surfels;
+    float most_depth_m = 0.1F;  // how far the surface may move inwards
+    std::size_t num_steps = 17;
+    float sample_spacing_m = 0.007F;  // of a patch, on the surface
+    float least_cosine = 0.35F;  // between the normal and the direction to a camera that counts
+
+    // A depth is accepted if its score is at least `least_score`, and by `least_lead` better than
+    // all that are `least_steps_apart` or more away.
+    float least_score = 0.6F;
+    float least_lead = 0.05F;
+    std::size_t least_steps_apart = 3;
+
+    // Weights of the smooth solution, beside accepted depths with at most 1.1.
+    float smoothness = 1.0F;      // differences between neighbours
+    float hull_weight = 0.02F;    // the hull itself, where nothing is known
+    float held_weight = 10.0F;    // the hull, where the person touches it
+    float outlier_m = 0.012F;     // an accepted depth this far off counts a quarter
+    double outline_bin_px = 8.0;  // in each such part of an outline the person touches the hull
+};
+
+/// A small part of an outline: the square of `bin_px` that shows `point_site` in the camera with
+/// this index. Nullopt behind the camera, and where no picture can be.
+std::optional<std::uint64_t> outline_bin(const geometry::CalibratedCamera& camera,
+                                         std::size_t index,
+                                         const Eigen::Vector3d& point_site,
+                                         double bin_px);
+
+/// How far the surface of a person lies below the visual hull, from the pictures: where the hull is
+/// the person's surface, the cameras show the same there.
+///
+/// Surfels of the hull are swept inwards along their normals. At each step a small patch is
+/// compared in up to three unoccluded cameras that face it most (score_depths). A clear and single
+/// best step is accepted. All others follow from a smooth solution over the surface, in which
+/// outliers lose their weight.
+///
+/// The silhouettes hold the surface: behind each point of an outline the person touches its viewing
+/// ray somewhere (Furukawa, Ponce, "Carved Visual Hulls for Image-Based Modeling", 2006, "rims").
+/// Of the surfels along it, the one that lies least deep is held on the hull. We choose it from the
+/// solution before, three times, instead of by dynamic programming along the outlines.
+///
+/// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
+class InwardSweep {
+public:
+    explicit InwardSweep(const InwardSweepOptions& options = {}) : options_(options) {}
+
+    struct Counts {
+        std::size_t num_surfels = 0;
+        std::size_t num_swept = 0;     // seen by at least two cameras
+        std::size_t num_accepted = 0;  // with a clear best step
+        std::size_t num_held = 0;      // on the hull, by an outline
+        double mean_depth_m = 0.0;
+    };
+
+    /// Finds the depths below `mesh`, the visual hull of `views` or some components of it. Views
+    /// without a picture only hold the surface.
+    void find(const geometry::TriangleMesh& mesh,
+              std::span<const PictureView> views,
+              Executor& executor);
+
+    /// By how much a point of the hull moves [m]; `normal` is that of the surface there.
+    Eigen::Vector3f move_at(const Eigen::Vector3f& point_site, const Eigen::Vector3f& normal) const;
+
+    const Surfels& surfels() const { return surfels_; }
+    float depth_m(std::size_t surfel) const { return depths_[surfel]; }
+    const Counts& counts() const { return counts_; }
+
+private:
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    // A camera's view of the surfels.
+    struct Camera {
+        LumaPicture luma;
+        LumaScratch luma_scratch;
+        image::InverseDepthPicture inverse_depth;
+        std::vector<Eigen::Vector4f> corners;  // vertices, then surfels, in `inverse_depth`
+        image::Axes points;
+    };
+    struct Held {
+        std::uint64_t bin = 0;
+        float cost = 0.0F;
+        std::uint32_t surfel = 0;
+    };
+
+    void look(const geometry::TriangleMesh& mesh,
+              std::span<const PictureView> views,
+              Executor& executor);
+    std::size_t paths_of(std::size_t surfel,
+                         std::span<const PictureView> views,
+                         std::array<PatchPath, kMostPaths>& paths) const;
+    void sweep(std::span<const PictureView> views, Executor& executor);
+    void share_scores(Executor& executor);
+    void accept();
+    void solve();
+    void hold(std::span<const PictureView> views);
+    float* scores(std::size_t surfel) { return scores_.data() + surfel * options_.num_steps; }
+
+    InwardSweepOptions options_;
+    Surfels surfels_;
+    std::vector<Eigen::Vector3d> centres_site_;
+    std::vector<Camera> cameras_;
+    std::vector<float> scores_;         // per surfel and step
+    std::vector<float> shared_scores_;  // the same, with those of the neighbours
+    std::vector<float> found_m_;        // per surfel: accepted depth
+    std::vector<float> weights_;        // per surfel: of the accepted depth; 0: none
+    std::vector<std::uint8_t> is_held_;
+    std::vector<float> depths_;
+    std::vector<Held> candidates_;
+    Counts counts_;
+};
+
+}  // namespace atrium::refine

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "core/base/executor.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "site_node/refine/inward_sweep.hpp"
+#include "site_node/refine/split_edges.hpp"
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atrium::refine {
+
+struct PhotoRefinementOptions {
+    InwardSweepOptions sweep;
+    /// Longer edges are divided where the surface between their ends bends by more than
+    /// `least_bend_m`.
+    float most_edge_m = 0.03F;
+    float least_bend_m = 0.003F;
+    /// In each such part of an outline, one vertex stays where it is.
+    double outline_bin_px = 2.0;
+    /// Smaller moves need no check against the silhouettes.
+    float safe_move_m = 0.001F;
+};
+
+/// Moves the surface of a visual hull inwards to where the cameras agree in what they show of it
+/// (InwardSweep): into hollows that no silhouette shows, and out of the volume that the hull adds
+/// where few cameras look.
+///
+/// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
+class PhotoRefinement {
+public:
+    explicit PhotoRefinement(const PhotoRefinementOptions& options = {})
+        : options_(options), sweep_(options.sweep) {}
+
+    /// Refines `mesh`, the visual hull of `views` or some components of it, in place. It remains a
+    /// closed 2-manifold with the same components; self-intersections are not checked. Vertices
+    /// that moved are inside the masks of all views with a picture. False, and nothing changes, if
+    /// the mesh is no closed 2-manifold or less than two views have pictures.
+    bool refine(geometry::TriangleMesh& mesh,
+                std::span<const PictureView> views,
+                Executor& executor);
+
+    const InwardSweep& sweep() const { return sweep_; }
+
+private:
+    struct OnOutline {
+        std::uint64_t bin = 0;
+        float move_m = 0.0F;
+        std::uint32_t vertex = 0;
+    };
+    struct LongEdge {
+        SplitEdge edge;
+        Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+        Eigen::Vector3f move = Eigen::Vector3f::Zero();
+        bool bends = false;
+    };
+
+    void find_moves(const geometry::TriangleMesh& mesh, Executor& executor);
+    void hold_outlines(const geometry::TriangleMesh& mesh, std::span<const PictureView> views);
+    bool split_bent_edges(geometry::TriangleMesh& mesh, Executor& executor);
+    void apply_moves(geometry::TriangleMesh& mesh,
+                     std::span<const PictureView> views,
+                     Executor& executor) const;
+
+    PhotoRefinementOptions options_;
+    InwardSweep sweep_;
+    std::vector<Eigen::Vector3f> normals_;  // per vertex
+    std::vector<Eigen::Vector3f> moves_;    // per vertex
+    std::vector<OnOutline> on_outlines_;
+    std::vector<LongEdge> long_edges_;
+    std::vector<SplitEdge> splits_;
+};
+
+}  // namespace atrium::refine
