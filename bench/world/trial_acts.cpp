@@ -10,6 +10,7 @@ const std::map<std::string, MakeAct>& trial_acts() {
         {"giver", [](std::uint64_t seed) { return test::hand_over(seed).giver; }},
         {"taker", [](std::uint64_t seed) { return test::hand_over(seed).taker; }},
         {"throw", [](std::uint64_t seed) { return test::throw_forwards(seed).act; }},
+        {"kick", [](std::uint64_t seed) { return test::kick(seed).act; }},
         {"strike2",
          [](std::uint64_t seed) {
              return test::strike({0.0, 0.0, 1.1}, {1.0, 0.3, 0.1}, 2.0, seed).act;
