@@ -25,8 +25,8 @@ struct SurfaceMotionOptions {
     float spread_m = 0.08F;   // standard deviation of a neighbour's weight
     float reach_m = 0.25F;    // beyond, cells do not influence each other
     float let_go_m = 0.03F;   // at this difference a neighbour counts a quarter
-    int flow_rounds = 2;      // of solving with the flow
-    int patch_rounds = 3;     // of comparing patches and solving
+    int flow_rounds = 3;      // of solving with the flow
+    int patch_rounds = 4;     // of comparing patches and solving
 };
 
 }  // namespace atrium::motion

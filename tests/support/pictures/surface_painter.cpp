@@ -65,17 +65,21 @@ SurfacePainter::SurfacePainter(const geometry::CalibratedCamera& camera)
     picture_.y = image::Plane(mask_.width, mask_.height);
     picture_.u = image::Plane(mask_.width / 2, mask_.height / 2, 128);
     picture_.v = picture_.u;
+    // drawing from the distribution would take longer than everything else
+    Random random(1);
+    std::normal_distribution<double> noise(0.0, kNoise);
+    for (double& value : noise_) value = noise(random);
 }
 
 void SurfacePainter::draw(const geometry::TriangleMesh& mesh_site,
                           std::span<const Eigen::Vector3d> places_at_rest,
                           const Paint& paint,
                           Random& random) {
-    std::normal_distribution<double> noise(0.0, kNoise);
+    const auto noise = [&] { return noise_[random() % noise_.size()]; };
     const int width = mask_.width;
     std::ranges::fill(mask_.data, std::uint8_t{0});
     for (std::uint8_t& value : picture_.y.data)
-        value = static_cast<std::uint8_t>(std::lround(kRoom + noise(random)));
+        value = static_cast<std::uint8_t>(std::lround(kRoom + noise()));
     depth_m_.assign(mask_.data.size(), std::numeric_limits<float>::max());
     const std::vector<Eigen::Vector3d> normals = normals_of(mesh_site);
     std::vector<Eigen::Vector3d> projected;  // pixel, depth
@@ -118,7 +122,7 @@ void SurfacePainter::draw(const geometry::TriangleMesh& mesh_site,
                 };
                 const double value = paint(mixed(places_at_rest)) * lit(mixed(normals).normalized(),
                                                                         mixed(mesh_site.vertices)) +
-                                     noise(random);
+                                     noise();
                 picture_.y.data[pixel] =
                     static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
                 mask_.data[pixel] = 255;

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <functional>
 #include <span>
 #include <vector>
@@ -37,7 +38,8 @@ private:
     geometry::CalibratedCamera camera_;
     image::YuvImage picture_;
     image::Mask mask_;
-    std::vector<float> depth_m_;  // scratch
+    std::array<double, 4096> noise_{};  // [grey levels]
+    std::vector<float> depth_m_;        // scratch
 };
 
 /// Smooth random brightness in space, about -1 to 1, with structure of 1 / `per_m`.

@@ -37,7 +37,8 @@ double median_error(const FlowField& flow, const Eigen::Vector2d& truth_px) {
 }
 
 TEST(DenseFlow, FindsADisplacementOfFractionsOfAPixel) {
-    for (const Eigen::Vector2d moved_px : {Eigen::Vector2d(0.3, -0.6), {2.25, 1.5}, {-5.0, 3.75}}) {
+    for (const Eigen::Vector2d& moved_px :
+         {Eigen::Vector2d(0.3, -0.6), {2.25, 1.5}, {-5.0, 3.75}}) {
         DenseFlow dense_flow;
         FlowField flow;
         dense_flow.compute(pattern(128, 160, {0.0, 0.0}), pattern(128, 160, moved_px), flow);

@@ -27,7 +27,7 @@ codec::TextureCrop random_crop(const image::PixelRect& rect, int divisor, test::
 TEST(MotionPicture, IsTheMeanOfTheSubjectsPixels) {
     test::Random random(2);
     for (const int divisor : {1, 2}) {
-        for (const image::PixelRect rect :
+        for (const image::PixelRect& rect :
              {image::PixelRect{0, 0, 40, 32}, {6, 10, 42, 34}, {2, 4, 6, 4}, {102, 50, 2, 2}}) {
             const codec::TextureCrop crop = random_crop(rect, divisor, random);
             MotionPicture picture;

@@ -126,7 +126,7 @@ geometry::TriangleMesh sphere() { return physics_test::make_sphere_mesh(0.3, kMi
 // No outline shows it: only the pictures do.
 TEST(SurfaceMotion, SphereThatTurnsInPlaceMovesAlongItself) {
     Studio studio(sphere());
-    for (const Vector3d turn : {Vector3d(0.0, 0.0, 3.0), Vector3d(1.5, -1.0, 0.5)}) {
+    for (const Vector3d& turn : {Vector3d(0.0, 0.0, 3.0), Vector3d(1.5, -1.0, 0.5)}) {
         const Motion motion{Vector3d::Zero(), turn};
         const auto judged = studio.judge(studio.find(motion, textured), motion);
         EXPECT_LT(judged.error_mps, 0.06) << turn.transpose();
@@ -136,7 +136,8 @@ TEST(SurfaceMotion, SphereThatTurnsInPlaceMovesAlongItself) {
 }
 
 TEST(SurfaceMotion, FindsTheVelocityOfABoxInEveryDirection) {
-    Studio studio(physics_test::make_box_mesh({0.4, 0.3, 0.5}, kMiddle, 10));
+    Studio studio(physics_test::make_box_mesh(
+        {0.4, 0.3, 0.5}, {Eigen::Quaterniond::Identity(), kMiddle}, 10));
     test::Random random(5);
     for (const double speed : {0.3, 1.0, 2.5}) {
         const Motion motion{speed * test::random_direction(random), Vector3d(0.0, 0.3, 0.5)};
@@ -151,7 +152,8 @@ TEST(SurfaceMotion, WithoutTextureItInventsNoTurn) {
     const auto field = studio.find(motion, plain);
     ASSERT_FALSE(field.empty());
     for (const geometry::MotionCell& cell : field.cells()) EXPECT_TRUE(cell.velocity.allFinite());
-    EXPECT_LT(studio.judge(field, motion).found_mps, 0.1);
+    // a third of a reduced pixel per picture, of the 0.46 m/s that one pixel is
+    EXPECT_LT(studio.judge(field, motion).found_mps, 0.15);
 }
 
 TEST(SurfaceMotion, GivesTheSameBitsWithAnyNumberOfWorkers) {
