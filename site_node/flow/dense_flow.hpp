@@ -31,10 +31,8 @@ constexpr int kMinFlowPx = 96;
 /// Finds where each pixel of one picture is in another.
 ///
 /// Kroeger et al., "Fast Optical Flow using Dense Inverse Search", 2016, in OpenCV's fastest
-/// preset, but one level finer and without variational refinement: about 3 core-ms for eight
-/// pictures of 130 x 200. Displacements up to about an eighth of the picture are found. Where
-/// nothing has texture, the result is a smooth guess. Keeps its memory while the size stays; one
-/// per thread.
+/// preset, but one level finer: about 3 core-ms for eight pictures of 130 x 200. Where nothing has
+/// texture, the result is a smooth guess. Keeps its memory while the size stays; one per thread.
 class DenseFlow {
 public:
     DenseFlow();
