@@ -298,7 +298,8 @@ std::span<const refine::PictureView> Pipeline::pictures_of(const Silhouettes& si
     pictures_.clear();
     if (!hull_.uses_pictures()) return pictures_;
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
-        refine::PictureView& view = pictures_.emplace_back(refine::PictureView{&cameras_[i]});
+        refine::PictureView& view = pictures_.emplace_back();
+        view.camera = &cameras_[i];
         const capture::CameraFrame& frame = silhouettes.metaframe_.frames[i];
         if (silhouettes.delivered_[i] == 0 || frame.found != nullptr || frame.is_lost()) continue;
         const Silhouettes::Camera& seen = *silhouettes.cameras_[i];

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -46,8 +47,7 @@ struct Options {
     std::string refine = "off";
 };
 
-const std::vector<std::string> kWays = {
-    "viewer", "nearest camera", "nearest that sees", "equal", "its texture"};
+const std::array kWays{"viewer", "nearest camera", "nearest that sees", "equal", "its texture"};
 
 template <typename Work>
 double shortest_ms(std::uint64_t repeats, const Work& work) {
@@ -96,7 +96,7 @@ public:
                const test::ReceivedPerson& person,
                const Options& options,
                test::Sampling sampling = test::Sampling::kMean)
-        : scene_(std::move(scene)),
+        : scene_(std::move(scene) + (options.refine == "off" ? "" : " " + options.refine)),
           options_(options),
           photographer_(value_of(test::PersonPhotographer::create(sampling))),
           received_(person),
@@ -212,11 +212,6 @@ private:
     int num_views_ = 0;
 };
 
-test::Refinement refinement(const Options& options) {
-    if (options.refine == "photo") return test::Refinement::kPhoto;
-    return options.refine == "round" ? test::Refinement::kRound : test::Refinement::kOff;
-}
-
 // Only one context exists at a time: each comparison ends before the next begins.
 void compare_all(const std::string& scene,
                  const test::ReceivedPerson& person,
@@ -250,9 +245,8 @@ void compare_full(const std::string& scene,
                   std::span<const TruePicture> texturing,
                   std::span<const TruePicture> truths,
                   const Options& options) {
-    if (options.publishing != "half") return;
-    const auto person =
-        value_of(test::receive_person(texturing, test::Publishing::kFull, refinement(options)));
+    if (options.publishing != "half" || options.refine != "off") return;
+    const auto person = value_of(test::receive_person(texturing, test::Publishing::kFull));
     compare_all(scene + " full", person, truths, options);
     Comparison comparison(scene + " full own", person, options, test::Sampling::kCentre);
     for (std::size_t i = 0; i < texturing.size(); ++i)
@@ -281,8 +275,8 @@ void compare_recording(const Options& options) {
     std::vector<TruePicture> held_back;
     for (std::size_t i = 0; i < pictures.size(); ++i)
         (i % 2 == 0 ? texturing : held_back).push_back(pictures[i]);
-    const auto person =
-        value_of(test::receive_person(texturing, publishing(options), refinement(options)));
+    const auto person = value_of(test::receive_person(
+        texturing, publishing(options), test::refinement_named(options.refine)));
     compare_all(name, person, held_back, options);
     compare_own(name, person, texturing, options);
     compare_full(name, texturing, held_back, options);
@@ -321,8 +315,8 @@ void compare_screen(const Options& options) {
     simulation::RoomOptions room;
     room.look = options.look;
     const auto texturing = value_of(test::film_before_screen(rig, room, kTime_s, rig));
-    const auto person =
-        value_of(test::receive_person(texturing, publishing(options), refinement(options)));
+    const auto person = value_of(test::receive_person(
+        texturing, publishing(options), test::refinement_named(options.refine)));
     const auto viewpoints = test::free_viewpoints(20, 1000, 800.0);
     auto views = value_of(test::film_before_screen(rig, room, kTime_s, viewpoints));
     show_person_alone(rig, room, kTime_s, views);
@@ -339,8 +333,8 @@ void compare_room(const Options& options) {
     room.look = options.look;
     std::vector<TruePicture> pictures = value_of(test::film_room(cameras, room, kTime_s));
     const std::span<const TruePicture> texturing(pictures.data(), rig.size());
-    const auto person =
-        value_of(test::receive_person(texturing, publishing(options), refinement(options)));
+    const auto person = value_of(test::receive_person(
+        texturing, publishing(options), test::refinement_named(options.refine)));
     // at its own pose, though, a camera's picture is the truth itself
     const std::vector<TruePicture> filmed(texturing.begin(), texturing.end());
     show_person_alone(rig, room, kTime_s, pictures);
@@ -366,7 +360,10 @@ int run(int argc, char** argv) {
         options.publishing,
         "of textures: at half or full resolution through the codec, or as the cameras have them",
         {"half", "full", "uncoded"});
-    set.add("refine", options.refine, "of the hull, as hull.refine of a site", {"off", "round", "photo"});
+    set.add("refine",
+            options.refine,
+            "of the hull, as hull.refine of a site",
+            {"off", "round", "photo"});
     set.add("only", options.only, "scenes whose names begin so: ring20, room, orbit, screen");
     set.add("pictures", options.pictures, "folder for pictures side by side: real, viewer, others");
     set.add("orbit-steps",

@@ -20,6 +20,14 @@ SCENES = {"ring20": "ring20: 10 cameras give textures, shown where the other 10 
           "room full": "simulated room likewise, at 20 free viewpoints",
           "ring20 full own": "ring20 with textures at full resolution, at the poses of the cameras that gave them",
           "room full own": "simulated room, likewise",
+          "ring20 round": "ring20 with `hull.refine = \"round\"`, where the other 10 stood",
+          "ring20 own round": "likewise, at the poses of the cameras that gave the textures",
+          "room round": "simulated room with `hull.refine = \"round\"`, at 20 free viewpoints",
+          "room own round": "likewise, at the poses of the cameras that gave the textures",
+          "ring20 photo": "ring20 with `hull.refine = \"photo\"`, where the other 10 stood",
+          "ring20 own photo": "likewise, at the poses of the cameras that gave the textures",
+          "room photo": "simulated room with `hull.refine = \"photo\"`, at 20 free viewpoints",
+          "room own photo": "likewise, at the poses of the cameras that gave the textures",
           "screen": "simulated person before a green screen: 8 cameras, shown at 20 free viewpoints",
           "screen full": "likewise with textures at full resolution"}
 WAYS = {"viewer": "viewer", "nearest camera": "nearest camera alone", "equal": "all that face it, equally", "its texture": "the texture itself"}

@@ -71,6 +71,11 @@ renderer::CameraPicture whole_picture(const TruePicture& from, const image::Pixe
 
 }  // namespace
 
+Refinement refinement_named(std::string_view name) {
+    if (name == "photo") return Refinement::kPhoto;
+    return name == "round" ? Refinement::kRound : Refinement::kOff;
+}
+
 Expected<std::vector<TruePicture>> film_room(const std::vector<geometry::CalibratedCamera>& cameras,
                                              const simulation::RoomOptions& options,
                                              double time_s) {

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace atrium::test {
@@ -43,6 +44,7 @@ enum class Publishing : std::uint8_t {
 
 /// As hull.refine of a site.
 enum class Refinement : std::uint8_t { kOff, kRound, kPhoto };
+Refinement refinement_named(std::string_view name);  // of other names: kOff
 
 /// A person as a viewer receives it.
 struct ReceivedPerson {

@@ -108,6 +108,7 @@ DishScene film_dish(const Dish& dish, std::uint64_t seed, double contrast) {
         silhouette::extract_silhouette(mask, camera.intrinsics, {}, silhouette_scratch, polygons);
         hull::SilhouetteView view{camera.intrinsics, camera.camera_from_site, {}, {}};
         for (const auto& polygon : polygons) view.contours.push_back(polygon.vertices_px);
+        scene.contours.push_back(view.contours);
         outlines.push_back(std::move(view));
         scene.subjects.push_back(test::bounding_rect(mask));
         scene.pictures.push_back(std::move(picture));

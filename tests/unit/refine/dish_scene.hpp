@@ -33,6 +33,7 @@ struct DishScene {
     std::vector<image::YuvImage> pictures;
     std::vector<image::Mask> masks;
     std::vector<image::PixelRect> subjects;
+    std::vector<std::vector<std::vector<Eigen::Vector2d>>> contours;  // per camera [px]
     geometry::TriangleMesh hull;
 
     std::vector<PictureView> views() const;

@@ -3,11 +3,13 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/shapes/rig_maker.hpp"
 #include "tests/support/shapes/silhouette_maker.hpp"
+#include "tests/unit/refine/dish_scene.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
+#include <set>
 
 namespace atrium::site_node {
 namespace {
@@ -216,10 +218,49 @@ TEST_F(TwoBodies, AreRoundedWithoutRegions) {
     EXPECT_LT(geometry::volume_m3(hull_.mesh), 0.99 * exact_m3);
 }
 
-TEST_F(TwoBodies, HaveAnotherFingerprintRounded) {
-    const std::uint64_t exact = fingerprint(options_);
-    options_.refine = "round";
-    EXPECT_NE(fingerprint(options_), exact);
+TEST_F(TwoBodies, HaveAnotherFingerprintRefined) {
+    std::set<std::uint64_t> fingerprints;
+    for (const char* refine : {"off", "round", "photo"}) {
+        options_.refine = refine;
+        EXPECT_TRUE(fingerprints.insert(fingerprint(options_)).second) << refine;
+    }
+}
+
+TEST(HullStage, MovesTheSurfaceToWhereThePicturesAgree) {
+    const refine::DishScene scene = refine::film_dish({}, 21);
+    const std::vector<refine::PictureView> pictures = scene.views();
+    const auto hull_of = [&](const HullStageOptions& options,
+                             std::span<const refine::PictureView> seen,
+                             std::size_t num_delivered) {
+        auto stage = HullStage::create(scene.cameras, options, kTolerance_px);
+        EXPECT_TRUE(stage) << stage.error().message;
+        EXPECT_EQ(stage->uses_pictures(), options.refine == "photo");
+        std::vector<std::uint8_t> delivered(scene.cameras.size(), 0);
+        for (std::size_t i = 0; i < num_delivered; ++i) {
+            stage->contours(i) = scene.contours[i];
+            delivered[i] = 1;
+        }
+        SerialExecutor executor;
+        hull::VisualHull hull;
+        stage->compute(delivered, seen, executor, hull);
+        EXPECT_EQ(hull.status, hull::HullStatus::kOk);
+        EXPECT_TRUE(geometry::inspect(hull.mesh).manifold);
+        return hull.mesh;
+    };
+    HullStageOptions options;
+    const std::size_t all = scene.cameras.size();
+    const double exact_m3 = geometry::volume_m3(hull_of(options, pictures, all));
+    const double exact_of_8_m3 = geometry::volume_m3(hull_of(options, pictures, 8));
+    options.refine = "photo";
+    const double refined_m3 = geometry::volume_m3(hull_of(options, pictures, all));
+    EXPECT_LT(refined_m3, 0.98 * exact_m3);
+    // a lost camera, no pictures at all
+    EXPECT_LT(geometry::volume_m3(hull_of(options, pictures, 8)), 0.98 * exact_of_8_m3);
+    EXPECT_EQ(geometry::volume_m3(hull_of(options, {}, all)), exact_m3);
+    // each region with its own cameras
+    options.regions = {{"here", {{-0.5, -0.5, -0.1}, {0.5, 0.5, 0.5}}, {}},
+                       {"beside", {{1.0, 1.0, -0.1}, {2.0, 2.0, 0.5}}, {"cam0", "cam1", "cam2"}}};
+    EXPECT_NEAR(geometry::volume_m3(hull_of(options, pictures, all)), refined_m3, 2e-3 * exact_m3);
 }
 
 TEST_F(TwoBodies, LoseARegionWithTooFewCamerasUntilTheyReturn) {
