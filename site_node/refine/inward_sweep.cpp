@@ -46,7 +46,7 @@ void InwardSweep::look(const geometry::TriangleMesh& mesh,
         fill(views[index], camera.luma_scratch, camera.luma);
         if (camera.luma.width == 0) return;
         const geometry::CalibratedCamera& calibrated = *views[index].camera;
-        const Eigen::Matrix3d rotation = calibrated.camera_from_site.rotation.toRotationMatrix();
+        const Eigen::Matrix3d& rotation = rotations_[index];
         const std::size_t num_vertices = mesh.vertices.size();
         camera.points.resize(num_vertices + surfels_.size());
         for (std::size_t i = 0; i < camera.points.size(); ++i) {
@@ -101,7 +101,7 @@ std::size_t InwardSweep::paths_of(std::size_t index,
     for (std::size_t k = 0; k < num; ++k) {
         const geometry::CalibratedCamera& camera = *views[best[k].second].camera;
         const LumaPicture& luma = cameras_[best[k].second].luma;
-        const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
+        const Eigen::Matrix3d& rotation = rotations_[best[k].second];
         const Eigen::Vector3d first = rotation * position + camera.camera_from_site.translation;
         const Eigen::Vector3d last = first - double{options_.most_depth_m} * (rotation * normal);
         if (!(last.z() > 1e-3)) return 0;
@@ -128,14 +128,14 @@ void InwardSweep::sweep(std::span<const PictureView> views, Executor& executor) 
             std::array<PatchPath, kMostPaths> paths;
             const std::size_t num = paths_of(i, views, paths);
             if (num == 0) continue;
-            score_depths(std::span(paths).first(num), options_.num_steps, scores(i));
             // beyond the middle it would be the surface of the other side
             constexpr float kMostOfThickness = 0.6F;
             const float step_m = options_.most_depth_m / static_cast<float>(options_.num_steps - 1);
             const auto most =
                 static_cast<std::size_t>(kMostOfThickness * surfels_[i].thickness_m / step_m);
-            for (std::size_t step = most + 1; step < options_.num_steps; ++step)
-                scores(i)[step] = kUnknownScore;
+            score_depths(std::span(paths).first(num),
+                         options_.num_steps,
+                         {scores(i), std::min(options_.num_steps, most + 1)});
         }
     };
     executor.parallel_for(num_chunks(size), work);
@@ -207,13 +207,11 @@ void InwardSweep::accept() {
 // Minimises the weighted squares of differences to the accepted depths, to the hull and between
 // neighbours (Gauss-Seidel). Weights of accepted depths fall with the difference that is left: at
 // first only those that are far off, so that the many decide what is an outlier.
-void InwardSweep::solve() {
-    constexpr int kNumRounds = 14;
-    constexpr float kFirstOutlier_m = 0.08F;
+void InwardSweep::solve(int num_rounds, float first_outlier_m) {
     constexpr float kNarrowing = 0.8F;         // per round
     constexpr float kMostOfThickness = 0.45F;  // both sides may move
-    float outlier_m = kFirstOutlier_m;
-    for (int round = 0; round < kNumRounds; ++round) {
+    float outlier_m = first_outlier_m;
+    for (int round = 0; round < num_rounds; ++round) {
         outlier_m = std::max(options_.outlier_m, kNarrowing * outlier_m);
         for (std::size_t i = 0; i < surfels_.size(); ++i) {
             float sum = 0.0F;
@@ -275,10 +273,17 @@ void InwardSweep::hold(std::span<const PictureView> views) {
 void InwardSweep::find(const geometry::TriangleMesh& mesh,
                        std::span<const PictureView> views,
                        Executor& executor) {
+    constexpr int kNumRounds = 14;
+    constexpr float kFirstOutlier_m = 0.08F;
     constexpr int kNumHolds = 3;
+    constexpr int kNumRoundsHeld = 6;  // from the solution before
     counts_ = {};
     centres_site_.clear();
-    for (const PictureView& view : views) centres_site_.push_back(view.camera->centre_site());
+    rotations_.clear();
+    for (const PictureView& view : views) {
+        centres_site_.push_back(view.camera->centre_site());
+        rotations_.push_back(view.camera->camera_from_site.rotation.toRotationMatrix());
+    }
     surfels_.sample(mesh, centres_site_, options_.surfels, executor);
     counts_.num_surfels = surfels_.size();
     look(mesh, views, executor);
@@ -287,10 +292,10 @@ void InwardSweep::find(const geometry::TriangleMesh& mesh,
     accept();
     depths_ = found_m_;
     is_held_.assign(surfels_.size(), 0);
-    solve();
+    solve(kNumRounds, kFirstOutlier_m);
     for (int i = 0; i < kNumHolds; ++i) {
         hold(views);
-        solve();
+        solve(kNumRoundsHeld, 2.0F * options_.outlier_m);
     }
     for (const float depth : depths_)
         counts_.mean_depth_m += double{depth} / static_cast<double>(surfels_.size());
@@ -307,7 +312,8 @@ Eigen::Vector3f InwardSweep::move_at(const Eigen::Vector3f& point_site,
         const float cosine = surfel.normal.dot(normal);
         const float distance_sq = (surfel.position_site - point_site).squaredNorm();
         if (cosine <= 0.0F || distance_sq > radius_sq) return;
-        const float own = (0.2F + cosine) * std::exp(-4.0F * distance_sq / radius_sq);
+        const float near = falling_weight(distance_sq / radius_sq);
+        const float own = (0.2F + cosine) * near * near;
         move -= own * depths_[i] * surfel.normal;
         weight += own;
     });

@@ -111,13 +111,14 @@ private:
     void sweep(std::span<const PictureView> views, Executor& executor);
     void share_scores(Executor& executor);
     void accept();
-    void solve();
+    void solve(int num_rounds, float first_outlier_m);
     void hold(std::span<const PictureView> views);
     float* scores(std::size_t surfel) { return scores_.data() + surfel * options_.num_steps; }
 
     InwardSweepOptions options_;
     Surfels surfels_;
-    std::vector<Eigen::Vector3d> centres_site_;
+    std::vector<Eigen::Vector3d> centres_site_;  // per view
+    std::vector<Eigen::Matrix3d> rotations_;     // per view: camera_from_site
     std::vector<Camera> cameras_;
     std::vector<float> scores_;         // per surfel and step
     std::vector<float> shared_scores_;  // the same, with those of the neighbours

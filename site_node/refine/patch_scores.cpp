@@ -126,8 +126,8 @@ template <typename Fetch>
 ATRIUM_INLINE void score(std::span<const PatchPath> paths,
                          std::size_t num_steps,
                          const Fetch& fetch,
-                         float* scores) {
-    for (std::size_t step = 0; step < num_steps; ++step) {
+                         std::span<float> scores) {
+    for (std::size_t step = 0; step < scores.size(); ++step) {
         const float share =
             num_steps < 2 ? 0.0F : static_cast<float>(step) / static_cast<float>(num_steps - 1);
         std::array<Patch, kMostPaths> patches;
@@ -148,7 +148,7 @@ ATRIUM_INLINE void score(std::span<const PatchPath> paths,
 #ifdef ATRIUM_AVX2
 ATRIUM_AVX2 void score_avx2(std::span<const PatchPath> paths,
                             std::size_t num_steps,
-                            float* scores) {
+                            std::span<float> scores) {
     score(paths, num_steps, Avx2Fetch{}, scores);
 }
 #endif
@@ -157,9 +157,9 @@ ATRIUM_AVX2 void score_avx2(std::span<const PatchPath> paths,
 
 void score_depths(std::span<const PatchPath> paths,
                   std::size_t num_steps,
-                  float* scores,
+                  std::span<float> scores,
                   [[maybe_unused]] image::RowCode code) {
-    assert(paths.size() >= 2 && paths.size() <= kMostPaths);
+    assert(paths.size() >= 2 && paths.size() <= kMostPaths && scores.size() <= num_steps);
 #ifdef ATRIUM_AVX2
     if (code == image::RowCode::kAvx2) return score_avx2(paths, num_steps, scores);
 #endif

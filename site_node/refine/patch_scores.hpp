@@ -24,15 +24,15 @@ struct PatchPath {
     Eigen::Vector2f row_px = Eigen::Vector2f::Zero();
 };
 
-/// For each of `num_steps` even steps along the line: how well the cameras agree in what they show
-/// there. Patches have 5 x 5 samples less the middle one. Two are compared by zero-mean normalised
-/// cross-correlation; of up to three pairs the better two count, so one camera may be wrong. Writes
-/// values in [-1, 1] to `scores`, kUnknownScore where less than two cameras show the whole patch
-/// inside their silhouettes and with contrast. Two or three paths. All instruction sets give the
-/// same bits.
+/// For the first `scores.size()` of `num_steps` even steps along the line: how well the cameras
+/// agree in what they show there. Patches have 5 x 5 samples less the middle one. Two are compared
+/// by zero-mean normalised cross-correlation; of up to three pairs the better two count, so one
+/// camera may be wrong. Writes values in [-1, 1] to `scores`, kUnknownScore where less than two
+/// cameras show the whole patch inside their silhouettes and with contrast. Two or three paths. All
+/// instruction sets give the same bits.
 void score_depths(std::span<const PatchPath> paths,
                   std::size_t num_steps,
-                  float* scores,
+                  std::span<float> scores,
                   image::RowCode code = image::best_row_code());
 
 }  // namespace atrium::refine

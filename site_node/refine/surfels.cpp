@@ -133,7 +133,6 @@ void Surfels::add_samples(const geometry::TriangleMesh& mesh,
 void Surfels::join_neighbours(const SurfelOptions& options, Executor& executor) {
     const std::size_t size = surfels_.size();
     const float radius_sq = options.neighbourhood_m * options.neighbourhood_m;
-    const float sharpness = -2.0F / radius_sq;
     smoothed_.resize(size);
     const auto smooth = [&](std::size_t chunk, std::size_t) {
         for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
@@ -144,7 +143,7 @@ void Surfels::join_neighbours(const SurfelOptions& options, Executor& executor) 
                 const float cosine = surfel.normal.dot(surfels_[other].normal);
                 const float distance_sq = (points_[other] - surfel.position_site).squaredNorm();
                 if (cosine < kLeastCosine || distance_sq > radius_sq) return;
-                sum += cosine * std::exp(sharpness * distance_sq) * surfels_[other].normal;
+                sum += cosine * falling_weight(distance_sq / radius_sq) * surfels_[other].normal;
             });
             smoothed_[i] = sum.normalized();
         }
@@ -165,7 +164,7 @@ void Surfels::join_neighbours(const SurfelOptions& options, Executor& executor) 
                 const float cosine = surfel.normal.dot(surfels_[other].normal);
                 const float distance_sq = (points_[other] - surfel.position_site).squaredNorm();
                 if (cosine < kLeastCosine || distance_sq > radius_sq || other == i) return;
-                found.push_back({other, cosine * std::exp(sharpness * distance_sq)});
+                found.push_back({other, cosine * falling_weight(distance_sq / radius_sq)});
             });
             begins_[i + 1] = static_cast<std::uint32_t>(found.size() - num_before);
         }

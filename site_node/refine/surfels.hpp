@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -90,6 +91,12 @@ private:
     std::vector<Neighbour> neighbours_;
     std::vector<std::vector<Neighbour>> found_;  // per chunk
 };
+
+/// Falls smoothly from 1 to 0 while `share`, a squared distance over that of a radius, rises to 1.
+inline float falling_weight(float share) {
+    const float left = std::max(0.0F, 1.0F - share);
+    return left * left;
+}
 
 /// Number of surfels that one task of a parallel loop takes.
 inline constexpr std::size_t kChunk = 128;
