@@ -101,7 +101,7 @@ double hull_litres(const OccupiedScene& scene, const Masks& masks) {
             require(silhouettes.find(frame, {}, found));
             stage.contours(c) = found.contours;
         }
-        stage.compute(std::vector<std::uint8_t>(scene.cameras.size(), 1), executor, hull);
+        stage.compute(std::vector<std::uint8_t>(scene.cameras.size(), 1), {}, executor, hull);
         sum += geometry::volume_m3(hull.mesh) * site_node::kLitresPerM3;
         num += 1.0;
     }

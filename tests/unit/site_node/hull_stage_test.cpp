@@ -82,7 +82,7 @@ TEST(HullStage, AllowsRegionsInARoomOfTheMaximumOfCameras) {
     ASSERT_TRUE(stage) << stage.error().message;
     SerialExecutor executor;
     hull::VisualHull hull;
-    stage->compute(std::vector<std::uint8_t>(64, 1), executor, hull);
+    stage->compute(std::vector<std::uint8_t>(64, 1), {}, executor, hull);
     EXPECT_EQ(hull.status, hull::HullStatus::kEmptyIntersection);
     options.regions[0].cameras.clear();
     EXPECT_THAT(
