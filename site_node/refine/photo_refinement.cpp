@@ -70,8 +70,11 @@ void PhotoRefinement::hold_outlines(const geometry::TriangleMesh& mesh,
     }
 }
 
-// False if there are none.
-bool PhotoRefinement::split_bent_edges(geometry::TriangleMesh& mesh, Executor& executor) {
+// Judges the edges of vertices from `first_new` on; the others have been judged. False if none
+// bends.
+bool PhotoRefinement::split_bent_edges(geometry::TriangleMesh& mesh,
+                                       std::size_t first_new,
+                                       Executor& executor) {
     const double most_sq = double{options_.most_edge_m} * double{options_.most_edge_m};
     long_edges_.clear();
     for (const auto& triangle : mesh.triangles) {
@@ -79,7 +82,8 @@ bool PhotoRefinement::split_bent_edges(geometry::TriangleMesh& mesh, Executor& e
             // each edge of a closed mesh has one triangle on each side, in opposite directions
             const std::uint32_t a = triangle[k];
             const std::uint32_t b = triangle[(k + 1) % 3];
-            if (a < b && (mesh.vertices[a] - mesh.vertices[b]).squaredNorm() > most_sq)
+            if (a < b && b >= first_new &&
+                (mesh.vertices[a] - mesh.vertices[b]).squaredNorm() > most_sq)
                 long_edges_.push_back({{a, b, 0}});
         }
     }
@@ -144,7 +148,11 @@ bool PhotoRefinement::refine(geometry::TriangleMesh& mesh,
     find_moves(mesh, executor);
     hold_outlines(mesh, views);
     constexpr int kMostPasses = 4;
-    for (int pass = 0; pass < kMostPasses && split_bent_edges(mesh, executor); ++pass) {
+    std::size_t first_new = 0;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+        const std::size_t num_before = mesh.vertices.size();
+        if (!split_bent_edges(mesh, first_new, executor)) break;
+        first_new = num_before;
     }
     apply_moves(mesh, views, executor);
     return true;

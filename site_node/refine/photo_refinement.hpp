@@ -61,7 +61,7 @@ private:
 
     void find_moves(const geometry::TriangleMesh& mesh, Executor& executor);
     void hold_outlines(const geometry::TriangleMesh& mesh, std::span<const PictureView> views);
-    bool split_bent_edges(geometry::TriangleMesh& mesh, Executor& executor);
+    bool split_bent_edges(geometry::TriangleMesh& mesh, std::size_t first_new, Executor& executor);
     void apply_moves(geometry::TriangleMesh& mesh,
                      std::span<const PictureView> views,
                      Executor& executor) const;

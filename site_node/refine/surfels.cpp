@@ -129,52 +129,51 @@ void Surfels::add_samples(const geometry::TriangleMesh& mesh,
     }
 }
 
-// Smooths the normals and lists the neighbours.
+// Lists who is near, smooths the normals over them, and keeps those of a similar normal.
 void Surfels::join_neighbours(const SurfelOptions& options, Executor& executor) {
     const std::size_t size = surfels_.size();
     const float radius_sq = options.neighbourhood_m * options.neighbourhood_m;
     smoothed_.resize(size);
-    const auto smooth = [&](std::size_t chunk, std::size_t) {
-        for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
-            const Surfel& surfel = surfels_[i];
-            Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-            grid_.near(surfel.position_site, options.neighbourhood_m, [&](std::uint32_t other) {
-                constexpr float kLeastCosine = 0.2F;
-                const float cosine = surfel.normal.dot(surfels_[other].normal);
-                const float distance_sq = (points_[other] - surfel.position_site).squaredNorm();
-                if (cosine < kLeastCosine || distance_sq > radius_sq) return;
-                sum += cosine * falling_weight(distance_sq / radius_sq) * surfels_[other].normal;
-            });
-            smoothed_[i] = sum.normalized();
-        }
-    };
-    executor.parallel_for(num_chunks(size), smooth);
-    for (std::size_t i = 0; i < size; ++i) surfels_[i].normal = smoothed_[i];
-
     begins_.resize(size + 1);
     found_.resize(std::max(found_.size(), num_chunks(size)));
-    const auto join = [&](std::size_t chunk, std::size_t) {
+    const auto look = [&](std::size_t chunk, std::size_t) {
         std::vector<Neighbour>& found = found_[chunk];
         found.clear();
         for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
             const Surfel& surfel = surfels_[i];
             const std::size_t num_before = found.size();
+            Eigen::Vector3f sum = surfel.normal;
             grid_.near(surfel.position_site, options.neighbourhood_m, [&](std::uint32_t other) {
-                constexpr float kLeastCosine = 0.5F;
-                const float cosine = surfel.normal.dot(surfels_[other].normal);
+                constexpr float kLeastCosine = 0.2F;
                 const float distance_sq = (points_[other] - surfel.position_site).squaredNorm();
-                if (cosine < kLeastCosine || distance_sq > radius_sq || other == i) return;
-                found.push_back({other, cosine * falling_weight(distance_sq / radius_sq)});
+                if (distance_sq > radius_sq || other == i) return;
+                const float cosine = surfel.normal.dot(surfels_[other].normal);
+                const float weight = falling_weight(distance_sq / radius_sq);
+                if (cosine > kLeastCosine) sum += cosine * weight * surfels_[other].normal;
+                found.push_back({other, weight});
             });
+            smoothed_[i] = sum.normalized();
             begins_[i + 1] = static_cast<std::uint32_t>(found.size() - num_before);
         }
     };
-    executor.parallel_for(num_chunks(size), join);
-    begins_[0] = 0;
-    for (std::size_t i = 0; i < size; ++i) begins_[i + 1] += begins_[i];
+    executor.parallel_for(num_chunks(size), look);
+    for (std::size_t i = 0; i < size; ++i) surfels_[i].normal = smoothed_[i];
+
     neighbours_.clear();
-    for (std::size_t chunk = 0; chunk < num_chunks(size); ++chunk)
-        neighbours_.insert(neighbours_.end(), found_[chunk].begin(), found_[chunk].end());
+    begins_[0] = 0;
+    for (std::size_t chunk = 0; chunk < num_chunks(size); ++chunk) {
+        const Neighbour* near = found_[chunk].data();
+        for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
+            const Neighbour* const end = near + begins_[i + 1];
+            for (; near != end; ++near) {
+                constexpr float kLeastCosine = 0.5F;
+                const float cosine = surfels_[i].normal.dot(surfels_[near->surfel].normal);
+                if (cosine > kLeastCosine)
+                    neighbours_.push_back({near->surfel, cosine * near->weight});
+            }
+            begins_[i + 1] = static_cast<std::uint32_t>(neighbours_.size());
+        }
+    }
 }
 
 // Looks for surfels of the opposite direction along the inward normal.
