@@ -322,9 +322,9 @@ void build_person_model(const geometry::TriangleMesh& mesh_site,
         const CameraStage stage{picture, index, options};
         project_vertices(stage, out, scratch);
         const float depth_scale = image::fit_inverse_depth(scratch.projected.undistorted,
-                                                    options.depth_picture_px,
-                                                    scratch.corners,
-                                                    scratch.depth);
+                                                           options.depth_picture_px,
+                                                           scratch.corners,
+                                                           scratch.depth);
         judge_faces(stage, scratch, out);
         image::draw_inverse_depth(
             scratch.corners, std::span(scratch.facing).first(scratch.num_facing), scratch.depth);
