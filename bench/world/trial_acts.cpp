@@ -10,8 +10,6 @@ const std::map<std::string, MakeAct>& trial_acts() {
         {"giver", [](std::uint64_t seed) { return test::hand_over(seed).giver; }},
         {"taker", [](std::uint64_t seed) { return test::hand_over(seed).taker; }},
         {"throw", [](std::uint64_t seed) { return test::throw_forwards(seed).act; }},
-        {"kick", [](std::uint64_t seed) { return test::kick(seed).act; }},
-        {"roll", [](std::uint64_t seed) { return test::roll_hand(seed); }},
         {"strike2",
          [](std::uint64_t seed) {
              return test::strike({0.0, 0.0, 1.1}, {1.0, 0.3, 0.1}, 2.0, seed).act;

@@ -19,10 +19,6 @@ struct CarryAct {
 CarryAct carry_on_palm(std::uint64_t seed);
 CarryAct carry_on_tray(std::uint64_t seed);
 
-/// Stretches the right hand forwards and rolls it by 90 degrees about the fingers, there and back,
-/// within 0.6 s each way.
-Act roll_hand(std::uint64_t seed);
-
 /// Takes an object between two palms that face each other about 20 cm apart, lifts it off its
 /// stand, moves it by a metre and turns it by 90 degrees, all with the whole body.
 ///

@@ -123,44 +123,4 @@ CarryAct carry_on_tray(std::uint64_t seed) {
     return carry;
 }
 
-Act roll_hand(std::uint64_t seed) {
-    Random random(9000 + seed);
-    const std::string look = random_look(random);
-    const double scale = scale_of(look);
-    const double heading = between(random, -std::numbers::pi, std::numbers::pi);
-    const double side_m = between(random, 0.15, 0.25);
-    const double height_m = scale * between(random, 1.05, 1.25);
-    constexpr double kStillBeforeS = 0.2;
-    constexpr double kRollS = 0.6;
-    constexpr double kReachM = 0.45;
-    const auto roll_rad = [=](double t) {
-        return 0.5 * std::numbers::pi *
-               (ease(t, kStillBeforeS, kRollS) - ease(t, kStillBeforeS + kRollS, kRollS));
-    };
-    const RigidTransform feet = upright({0.0, -0.25, 0.0}, heading);
-    Act act;
-    act.name = "roll" + std::to_string(seed);
-    act.look = look;
-    act.seconds = kStillBeforeS + 2.0 * kRollS;
-    act.site_from_feet = [feet](double) { return feet; };
-    act.pose = [=](double t) {
-        BodyPose pose;
-        const double angle = roll_rad(t);
-        pose.right_arm = reach({side_m, kReachM, height_m},
-                               Vector3d::UnitY(),
-                               {-std::sin(angle), 0.0, std::cos(angle)},
-                               kElbow,
-                               scale);
-        return pose;
-    };
-    act.site_from_grip = [=](double t) {
-        RigidTransform palm;
-        palm.translation = feet * Vector3d(side_m, kReachM, height_m);
-        palm.rotation =
-            feet.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(-roll_rad(t), Vector3d::UnitY()));
-        return palm;
-    };
-    return act;
-}
-
 }  // namespace atrium::test
