@@ -40,6 +40,24 @@ Count count_row(const std::uint64_t* row, int w) {
     return count(left_of(row, w), row[w], right_of(row, w));
 }
 
+// Combines each pixel with its four neighbours.
+template <typename Operation>
+void combine(const BitRows& in, BitRows& out, const Operation& with) {
+    out.shape_like(in);
+    for (int y = in.first_row; y < in.end_row(); ++y) {
+        const std::uint64_t* const above = in.row(y - 1);
+        const std::uint64_t* const here = in.row(y);
+        const std::uint64_t* const below = in.row(y + 1);
+        std::uint64_t* const result = out.row(y);
+        for (int w = 0; w < in.num_words; ++w) {
+            const std::uint64_t vertical = with(above[w], below[w]);
+            const std::uint64_t horizontal = with(left_of(here, w), right_of(here, w));
+            result[w] = with(here[w], with(vertical, horizontal));
+        }
+    }
+    out.repeat_edges();
+}
+
 }  // namespace
 
 void BitRows::shape_like(const BitRows& other) {
@@ -107,31 +125,11 @@ bool pack(const image::SparseMask& mask, int margin, BitRows& out) {
 }
 
 void erode(const BitRows& in, BitRows& out) {
-    out.shape_like(in);
-    for (int y = in.first_row; y < in.end_row(); ++y) {
-        const std::uint64_t* const above = in.row(y - 1);
-        const std::uint64_t* const here = in.row(y);
-        const std::uint64_t* const below = in.row(y + 1);
-        std::uint64_t* const result = out.row(y);
-        for (int w = 0; w < in.num_words; ++w)
-            result[w] = here[w] == 0
-                            ? 0
-                            : here[w] & above[w] & below[w] & left_of(here, w) & right_of(here, w);
-    }
-    out.repeat_edges();
+    combine(in, out, [](std::uint64_t a, std::uint64_t b) { return a & b; });
 }
 
 void dilate(const BitRows& in, BitRows& out) {
-    out.shape_like(in);
-    for (int y = in.first_row; y < in.end_row(); ++y) {
-        const std::uint64_t* const above = in.row(y - 1);
-        const std::uint64_t* const here = in.row(y);
-        const std::uint64_t* const below = in.row(y + 1);
-        std::uint64_t* const result = out.row(y);
-        for (int w = 0; w < in.num_words; ++w)
-            result[w] = here[w] | above[w] | below[w] | left_of(here, w) | right_of(here, w);
-    }
-    out.repeat_edges();
+    combine(in, out, [](std::uint64_t a, std::uint64_t b) { return a | b; });
 }
 
 // Adds nine bits of each of 64 pixels at once.
