@@ -1,5 +1,6 @@
 #include "core/geometry/surface_tree.hpp"
 
+#include "tests/support/shapes/box_mesh.hpp"
 #include "tests/support/shapes/closed_meshes.hpp"
 #include "tests/support/shapes/surface_distance.hpp"
 #include "tests/support/shapes/winding_number.hpp"
@@ -17,24 +18,8 @@ namespace {
 using Eigen::Vector3d;
 
 TriangleMesh cube(const Vector3d& centre, double size_m) {
-    TriangleMesh mesh;
-    for (int i = 0; i < 8; ++i) {
-        const Vector3d corner((i & 1) - 0.5, ((i >> 1) & 1) - 0.5, (i >> 2) - 0.5);
-        mesh.vertices.push_back(centre + size_m * corner);
-    }
-    mesh.triangles = {{0, 2, 1},
-                      {1, 2, 3},
-                      {4, 5, 6},
-                      {5, 7, 6},
-                      {0, 1, 4},
-                      {1, 5, 4},
-                      {2, 6, 3},
-                      {3, 6, 7},
-                      {0, 4, 2},
-                      {2, 4, 6},
-                      {1, 3, 5},
-                      {3, 7, 5}};
-    return mesh;
+    const Vector3d size = Vector3d::Constant(size_m);
+    return test::box_mesh(centre - 0.5 * size, size);
 }
 
 template <class Check>

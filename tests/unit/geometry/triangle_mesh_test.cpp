@@ -1,5 +1,6 @@
 #include "core/geometry/triangle_mesh.hpp"
 
+#include "tests/support/shapes/box_mesh.hpp"
 #include "tests/support/shapes/winding_number.hpp"
 
 #include <gtest/gtest.h>
@@ -7,29 +8,10 @@
 namespace atrium::geometry {
 namespace {
 
-TriangleMesh box(const Eigen::Vector3d& min, const Eigen::Vector3d& size) {
-    TriangleMesh mesh;
-    for (int i = 0; i < 8; ++i) {
-        mesh.vertices.push_back(min +
-                                size.cwiseProduct(Eigen::Vector3d(i & 1, (i >> 1) & 1, i >> 2)));
-    }
-    mesh.triangles = {{0, 2, 1},
-                      {1, 2, 3},
-                      {4, 5, 6},
-                      {5, 7, 6},
-                      {0, 1, 4},
-                      {1, 5, 4},
-                      {2, 6, 3},
-                      {3, 6, 7},
-                      {0, 4, 2},
-                      {2, 4, 6},
-                      {1, 3, 5},
-                      {3, 7, 5}};
-    return mesh;
-}
+using test::box_mesh;
 
 TEST(InspectMesh, AcceptsABox) {
-    const MeshReport report = inspect(box({1, 2, 3}, {0.5, 2, 1}));
+    const MeshReport report = inspect(box_mesh({1, 2, 3}, {0.5, 2, 1}));
     EXPECT_TRUE(report.closed);
     EXPECT_TRUE(report.manifold);
     EXPECT_EQ(report.num_components, 1u);
@@ -38,8 +20,8 @@ TEST(InspectMesh, AcceptsABox) {
 }
 
 TEST(InspectMesh, CountsComponents) {
-    TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
-    append(mesh, box({5, 0, 0}, {1, 1, 1}));
+    TriangleMesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
+    append(mesh, box_mesh({5, 0, 0}, {1, 1, 1}));
     const MeshReport report = inspect(mesh);
     EXPECT_TRUE(report.manifold);
     EXPECT_EQ(report.num_components, 2u);
@@ -47,21 +29,21 @@ TEST(InspectMesh, CountsComponents) {
 }
 
 TEST(InspectMesh, FindsHolesFlippedTrianglesAndUnusedVertices) {
-    TriangleMesh open = box({0, 0, 0}, {1, 1, 1});
+    TriangleMesh open = box_mesh({0, 0, 0}, {1, 1, 1});
     open.triangles.pop_back();
     EXPECT_FALSE(inspect(open).closed);
-    TriangleMesh flipped = box({0, 0, 0}, {1, 1, 1});
+    TriangleMesh flipped = box_mesh({0, 0, 0}, {1, 1, 1});
     std::swap(flipped.triangles[0][0], flipped.triangles[0][1]);
     EXPECT_FALSE(inspect(flipped).closed);
-    TriangleMesh unused = box({0, 0, 0}, {1, 1, 1});
+    TriangleMesh unused = box_mesh({0, 0, 0}, {1, 1, 1});
     unused.vertices.push_back({9, 9, 9});
     EXPECT_TRUE(inspect(unused).closed);
     EXPECT_FALSE(inspect(unused).manifold);
 }
 
 TEST(InspectMesh, FindsTwoFansAtOneVertex) {
-    TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
-    append(mesh, box({1, 1, 1}, {1, 1, 1}));
+    TriangleMesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
+    append(mesh, box_mesh({1, 1, 1}, {1, 1, 1}));
     for (auto& t : mesh.triangles) {
         for (auto& v : t)
             v = v == 8 ? 7 : (v > 8 ? v - 1 : v);  // vertex 8 is the corner that touches vertex 7
@@ -72,7 +54,7 @@ TEST(InspectMesh, FindsTwoFansAtOneVertex) {
 }
 
 TEST(InspectMesh, SurvivesIndicesOutOfRange) {
-    TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
+    TriangleMesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
     mesh.triangles[3][1] = 99;
     const MeshReport report = inspect(mesh);
     EXPECT_FALSE(report.closed);
@@ -80,13 +62,13 @@ TEST(InspectMesh, SurvivesIndicesOutOfRange) {
 }
 
 TEST(WindingNumber, IsOneInsideAndZeroOutside) {
-    const TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
+    const TriangleMesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
     EXPECT_NEAR(test::winding_number(mesh, {0.3, 0.4, 0.9}), 1.0, 1e-9);
     EXPECT_NEAR(test::winding_number(mesh, {1.3, 0.4, 0.9}), 0.0, 1e-9);
 }
 
 TEST(VertexNormals, PointOutOfABox) {
-    const TriangleMesh mesh = box({-1, -1, -1}, {2, 2, 2});
+    const TriangleMesh mesh = box_mesh({-1, -1, -1}, {2, 2, 2});
     const auto normals = vertex_normals(mesh);
     for (std::size_t i = 0; i < normals.size(); ++i) {
         EXPECT_NEAR(normals[i].norm(), 1.0f, 1e-6f);
@@ -97,7 +79,7 @@ TEST(VertexNormals, PointOutOfABox) {
 // A box corner has three faces with equal angles, however the faces are triangulated and however
 // long the edges are.
 TEST(VertexNormals, DoNotDependOnTheTriangulation) {
-    const TriangleMesh mesh = box({-1, -2, -3}, {2, 4, 6});
+    const TriangleMesh mesh = box_mesh({-1, -2, -3}, {2, 4, 6});
     const auto normals = vertex_normals(mesh);
     for (std::size_t i = 0; i < normals.size(); ++i) {
         const Eigen::Vector3d diagonal = mesh.vertices[i].cwiseSign().normalized();

@@ -2,6 +2,7 @@
 
 #include "site_node/hull/visual_hull.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/shapes/box_mesh.hpp"
 #include "tests/support/shapes/rig_maker.hpp"
 #include "tests/support/shapes/silhouette_maker.hpp"
 
@@ -70,7 +71,7 @@ TEST_F(SurfelsOfABall, KnowTheCameraWhoseOutlineMadeThem) {
     std::set<std::int32_t> owners;
     for (std::size_t i = 0; i < surfels_.size(); ++i) {
         const std::int32_t owner = surfels_[i].owner;
-        if (owner == Surfel::kNobody) continue;
+        if (owner == hull::kNoOwner) continue;
         owners.insert(owner);
         // the camera sees the surface edge-on
         const Eigen::Vector3d to = (ball_.centres[static_cast<std::size_t>(owner)] -
@@ -97,22 +98,7 @@ TEST_F(SurfelsOfABall, HaveNeighboursBothWays) {
 
 TEST(Surfels, KnowHowThickAPlateIs) {
     for (const double thickness : {0.03, 0.07, 0.15, 0.5}) {
-        geometry::TriangleMesh box;
-        for (int corner = 0; corner < 8; ++corner)
-            box.vertices.emplace_back(
-                0.8 * (corner & 1), 0.8 * ((corner >> 1) & 1), thickness * (corner >> 2));
-        box.triangles = {{0, 2, 1},
-                         {1, 2, 3},
-                         {4, 5, 6},
-                         {5, 7, 6},
-                         {0, 1, 4},
-                         {1, 5, 4},
-                         {2, 6, 3},
-                         {3, 6, 7},
-                         {0, 4, 2},
-                         {2, 4, 6},
-                         {1, 3, 5},
-                         {3, 7, 5}};
+        const geometry::TriangleMesh box = test::box_mesh({0, 0, 0}, {0.8, 0.8, thickness});
         ASSERT_TRUE(geometry::inspect(box).manifold);
         SurfelOptions options;
         SerialExecutor executor;
@@ -125,7 +111,7 @@ TEST(Surfels, KnowHowThickAPlateIs) {
                 (at.head<2>().array() > 0.7F).any())
                 continue;
             ++num;
-            EXPECT_EQ(surfels[i].owner, Surfel::kNobody);
+            EXPECT_EQ(surfels[i].owner, hull::kNoOwner);
             EXPECT_NEAR(surfels[i].thickness_m,
                         std::min(thickness, double{options.most_thickness_m}),
                         0.002);
