@@ -1,5 +1,7 @@
 #include "site_node/hull/corner_rounding.hpp"
 
+#include "site_node/hull/face_owner.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 namespace atrium::hull {
 namespace {
 
-constexpr double kInPlane = 1e-3;        // sine between a face and the ray of its camera
 constexpr double kAlongRay = 2e-4;       // sine between a viewing edge and its ray
 constexpr double kRounding_m = 1e-6;     // of vertices
 constexpr double kShortest_m = 1e-4;     // shorter edges have no direction
@@ -88,14 +89,7 @@ void CornerRounding::find_owners(const geometry::TriangleMesh& mesh) {
         face = {
             area > 0.0 ? Eigen::Vector3d(cross / area) : Eigen::Vector3d::Zero(), area, kNobody};
         if (!(area > kLeastArea_m2)) continue;
-        double least = kInPlane;
-        for (std::size_t c_index = 0; c_index < centres_site_.size(); ++c_index) {
-            const Eigen::Vector3d ray = corner - centres_site_[c_index];
-            const double sine = std::abs(ray.dot(face.normal)) / ray.norm();
-            if (!(sine < least)) continue;
-            least = sine;
-            face.owner = static_cast<std::int32_t>(c_index);
-        }
+        face.owner = face_owner(corner, face.normal, centres_site_);
     }
 }
 

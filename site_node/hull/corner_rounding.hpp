@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/triangle_mesh.hpp"
+#include "site_node/hull/face_owner.hpp"
 #include "site_node/hull/inside_silhouettes.hpp"
 #include "site_node/hull/visual_hull.hpp"
 
@@ -48,7 +49,7 @@ public:
 
 private:
     static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-    static constexpr std::int32_t kNobody = -1;
+    static constexpr std::int32_t kNobody = kNoOwner;
 
     struct Face {
         Eigen::Vector3d normal;  // unit; zero without area

@@ -12,29 +12,7 @@ namespace {
 constexpr int kDepthPicturePx = 192;      // long side
 constexpr float kHiddenBehind_m = 0.03F;  // behind a nearer surface
 
-Eigen::Vector2d distorted_px(const geometry::CalibratedCamera& camera,
-                             const Eigen::Vector3d& point_camera) {
-    return camera.intrinsics.distort(camera.intrinsics.project(point_camera));
-}
-
 }  // namespace
-
-std::optional<std::uint64_t> outline_bin(const geometry::CalibratedCamera& camera,
-                                         std::size_t index,
-                                         const Eigen::Vector3d& point_site,
-                                         double bin_px) {
-    constexpr double kMostBins = 1 << 20;
-    const Eigen::Vector3d at =
-        camera.camera_from_site.rotation * point_site + camera.camera_from_site.translation;
-    if (!(at.z() > 1e-3)) return std::nullopt;
-    const Eigen::Vector2d place = camera.intrinsics.project(at) / bin_px;
-    if (!(place.cwiseAbs().maxCoeff() < kMostBins)) return std::nullopt;
-    const auto along = [&](double bin) {
-        return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(bin)) + (1 << 21));
-    };
-    return (static_cast<std::uint64_t>(index) << 44U) | (along(place.x()) << 22U) |
-           along(place.y());
-}
 
 // Prepares the pictures, and for each camera which depth is in front.
 void InwardSweep::look(const geometry::TriangleMesh& mesh,
@@ -55,7 +33,7 @@ void InwardSweep::look(const geometry::TriangleMesh& mesh,
                                  : surfels_[i - num_vertices].position_site.cast<double>();
             const Eigen::Vector3d at = rotation * site + calibrated.camera_from_site.translation;
             Eigen::Vector3f point = Eigen::Vector3f::Zero();  // inverse depth 0: behind the camera
-            if (at.z() > 1e-3) {
+            if (at.z() > kNearest_m) {
                 point.head<2>() = calibrated.intrinsics.project(at).cast<float>();
                 point.z() = static_cast<float>(1.0 / at.z());
             }
@@ -104,9 +82,9 @@ std::size_t InwardSweep::paths_of(std::size_t index,
         const Eigen::Matrix3d& rotation = rotations_[best[k].second];
         const Eigen::Vector3d first = rotation * position + camera.camera_from_site.translation;
         const Eigen::Vector3d last = first - double{options_.most_depth_m} * (rotation * normal);
-        if (!(last.z() > 1e-3)) return 0;
+        if (!(last.z() > kNearest_m)) return 0;
         const auto place = [&](const Eigen::Vector3d& at) {
-            return luma.place(distorted_px(camera, at));
+            return luma.place(camera.intrinsics.distort(camera.intrinsics.project(at)));
         };
         PatchPath& path = paths[k];
         path.picture = &luma;
@@ -248,7 +226,7 @@ void InwardSweep::hold(std::span<const PictureView> views) {
     for (std::size_t i = 0; i < surfels_.size(); ++i) {
         is_held_[i] = 0;
         const std::int32_t owner = surfels_[i].owner;
-        if (owner == Surfel::kNobody) continue;
+        if (owner == hull::kNoOwner) continue;
         const auto view = static_cast<std::size_t>(owner);
         const auto bin = outline_bin(*views[view].camera,
                                      view,
@@ -259,15 +237,9 @@ void InwardSweep::hold(std::span<const PictureView> views) {
         candidates_.push_back(
             {*bin, depths_[i] + kDisagreement_m * (1.0F - score), static_cast<std::uint32_t>(i)});
     }
-    std::ranges::sort(candidates_, [](const Held& a, const Held& b) {
-        if (a.bin != b.bin) return a.bin < b.bin;
-        return a.cost != b.cost ? a.cost < b.cost : a.surfel < b.surfel;
-    });
-    counts_.num_held = 0;
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
-        if (i > 0 && candidates_[i].bin == candidates_[i - 1].bin) continue;
-        if (std::exchange(is_held_[candidates_[i].surfel], 1) == 0) ++counts_.num_held;
-    }
+    keep_least(candidates_);
+    counts_.num_held = candidates_.size();
+    for (const OutlinePoint& point : candidates_) is_held_[point.index] = 1;
 }
 
 void InwardSweep::find(const geometry::TriangleMesh& mesh,

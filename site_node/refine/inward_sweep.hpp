@@ -5,6 +5,7 @@
 #include "core/image/axes.hpp"
 #include "core/image/inverse_depth.hpp"
 #include "site_node/refine/luma_picture.hpp"
+#include "site_node/refine/outline_bins.hpp"
 #include "site_node/refine/patch_scores.hpp"
 #include "site_node/refine/surfels.hpp"
 
@@ -13,7 +14,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,13 +40,6 @@ struct InwardSweepOptions {
     double outline_bin_px = 8.0;  // in each such part of an outline the person touches the hull
 };
 
-/// A small part of an outline: the square of `bin_px` that shows `point_site` in the camera with
-/// this index. Nullopt behind the camera, and where no picture can be.
-std::optional<std::uint64_t> outline_bin(const geometry::CalibratedCamera& camera,
-                                         std::size_t index,
-                                         const Eigen::Vector3d& point_site,
-                                         double bin_px);
-
 /// How far the surface of a person lies below the visual hull, from the pictures: where the hull is
 /// the person's surface, the cameras show the same there.
 ///
@@ -67,7 +60,7 @@ public:
 
     struct Counts {
         std::size_t num_surfels = 0;
-        std::size_t num_swept = 0;     // seen by at least two cameras
+        std::size_t num_swept = 0;     // with a score of its own or of a neighbour
         std::size_t num_accepted = 0;  // with a clear best step
         std::size_t num_held = 0;      // on the hull, by an outline
         double mean_depth_m = 0.0;
@@ -87,7 +80,6 @@ public:
     const Counts& counts() const { return counts_; }
 
 private:
-    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
     // A camera's view of the surfels.
     struct Camera {
         LumaPicture luma;
@@ -96,12 +88,6 @@ private:
         std::vector<Eigen::Vector4f> corners;  // vertices, then surfels, in `inverse_depth`
         image::Axes points;
     };
-    struct Held {
-        std::uint64_t bin = 0;
-        float cost = 0.0F;
-        std::uint32_t surfel = 0;
-    };
-
     void look(const geometry::TriangleMesh& mesh,
               std::span<const PictureView> views,
               Executor& executor);
@@ -126,7 +112,7 @@ private:
     std::vector<float> weights_;        // per surfel: of the accepted depth; 0: none
     std::vector<std::uint8_t> is_held_;
     std::vector<float> depths_;
-    std::vector<Held> candidates_;
+    std::vector<OutlinePoint> candidates_;
     Counts counts_;
 };
 

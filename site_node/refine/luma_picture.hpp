@@ -9,6 +9,9 @@
 
 namespace atrium::refine {
 
+/// Nearer to a camera nothing is seen [m].
+inline constexpr double kNearest_m = 1e-3;
+
 /// What a camera delivered. All of it is valid as long as the refinement runs.
 struct PictureView {
     const geometry::CalibratedCamera* camera = nullptr;  // its contours are part of the hull

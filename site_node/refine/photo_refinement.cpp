@@ -16,7 +16,7 @@ bool is_outside_mask(const PictureView& view, const Eigen::Vector3d& point_site)
     const geometry::CalibratedCamera& camera = *view.camera;
     const Eigen::Vector3d at =
         camera.camera_from_site.rotation * point_site + camera.camera_from_site.translation;
-    if (!(at.z() > 1e-3)) return false;
+    if (!(at.z() > kNearest_m)) return false;
     const Eigen::Vector2d px = camera.intrinsics.distort(camera.intrinsics.project(at));
     if (!(px.x() > -0.5 && px.y() > -0.5 && px.x() < view.mask->width - 0.5 &&
           px.y() < view.mask->height - 0.5))
@@ -52,7 +52,7 @@ void PhotoRefinement::hold_outlines(const geometry::TriangleMesh& mesh,
     on_outlines_.clear();
     const std::span<const std::int32_t> owners = sweep_.surfels().face_owners();
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (owners[t] == Surfel::kNobody) continue;
+        if (owners[t] == hull::kNoOwner) continue;
         const auto view = static_cast<std::size_t>(owners[t]);
         for (const std::uint32_t v : mesh.triangles[t]) {
             const auto bin =
@@ -60,14 +60,8 @@ void PhotoRefinement::hold_outlines(const geometry::TriangleMesh& mesh,
             if (bin) on_outlines_.push_back({*bin, moves_[v].norm(), v});
         }
     }
-    std::ranges::sort(on_outlines_, [](const OnOutline& a, const OnOutline& b) {
-        if (a.bin != b.bin) return a.bin < b.bin;
-        return a.move_m != b.move_m ? a.move_m < b.move_m : a.vertex < b.vertex;
-    });
-    for (std::size_t i = 0; i < on_outlines_.size(); ++i) {
-        if (i == 0 || on_outlines_[i].bin != on_outlines_[i - 1].bin)
-            moves_[on_outlines_[i].vertex].setZero();
-    }
+    keep_least(on_outlines_);
+    for (const OutlinePoint& point : on_outlines_) moves_[point.index].setZero();
 }
 
 // Judges the edges of vertices from `first_new` on; the others have been judged. False if none

@@ -47,11 +47,6 @@ public:
     const InwardSweep& sweep() const { return sweep_; }
 
 private:
-    struct OnOutline {
-        std::uint64_t bin = 0;
-        float move_m = 0.0F;
-        std::uint32_t vertex = 0;
-    };
     struct LongEdge {
         SplitEdge edge;
         Eigen::Vector3f normal = Eigen::Vector3f::Zero();
@@ -70,7 +65,7 @@ private:
     InwardSweep sweep_;
     std::vector<Eigen::Vector3f> normals_;  // per vertex
     std::vector<Eigen::Vector3f> moves_;    // per vertex
-    std::vector<OnOutline> on_outlines_;
+    std::vector<OutlinePoint> on_outlines_;
     std::vector<LongEdge> long_edges_;
     std::vector<SplitEdge> splits_;
 };

@@ -12,22 +12,6 @@ namespace {
 constexpr float kLeastArea_m2 = 1e-10F;
 constexpr std::uint64_t kNumDirections = 6;
 
-// The view whose outline made the face: its centre lies in the plane of the face.
-std::int32_t owner_of(const Eigen::Vector3d& corner,
-                      const Eigen::Vector3d& normal,
-                      std::span<const Eigen::Vector3d> centres_site) {
-    double least_sine = 1e-3;
-    std::int32_t owner = Surfel::kNobody;
-    for (std::size_t i = 0; i < centres_site.size(); ++i) {
-        const Eigen::Vector3d to = centres_site[i] - corner;
-        const double sine = std::abs(to.dot(normal)) / to.norm();
-        if (!(sine < least_sine)) continue;
-        least_sine = sine;
-        owner = static_cast<std::int32_t>(i);
-    }
-    return owner;
-}
-
 // The axis that a normal follows most, and its sign.
 std::uint64_t direction_of(const Eigen::Vector3f& normal) {
     int axis = 0;
@@ -74,7 +58,7 @@ void Surfels::add_samples(const geometry::TriangleMesh& mesh,
     std::fill(slots_.begin(), slots_.end(), Slot{});
     sums_.clear();
     const Eigen::Vector3d origin = geometry::bounds(mesh).min;
-    face_owners_.assign(mesh.triangles.size(), Surfel::kNobody);
+    face_owners_.assign(mesh.triangles.size(), hull::kNoOwner);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const auto& triangle = mesh.triangles[t];
         std::array<Eigen::Vector3d, 3> p;
@@ -96,7 +80,7 @@ void Surfels::add_samples(const geometry::TriangleMesh& mesh,
         const float area = static_cast<float>(0.5 * doubled_area / num_along / num_across);
         const Eigen::Vector3f normal_f = normal.cast<float>();
         const std::uint64_t direction = direction_of(normal_f);
-        const std::int32_t owner = owner_of(p[0], normal, centres_site);
+        const std::int32_t owner = hull::face_owner(p[0], normal, centres_site);
         face_owners_[t] = owner;
         const Eigen::Vector3d& a = p[apex];
         const Eigen::Vector3d b = p[(apex + 1) % 3] - a;

@@ -2,6 +2,7 @@
 
 #include "core/base/executor.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "site_node/hull/face_owner.hpp"
 #include "site_node/refine/point_grid.hpp"
 
 #include <Eigen/Core>
@@ -16,12 +17,10 @@ namespace atrium::refine {
 
 /// A sample of a visual hull's surface.
 struct Surfel {
-    static constexpr std::int32_t kNobody = -1;
-
     Eigen::Vector3f position_site = Eigen::Vector3f::Zero();  // [m]
     Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();        // unit, outwards, smoothed
-    std::int32_t owner = kNobody;  // view whose outline made the surface here
-    float thickness_m = 0.0F;      // from here inwards to the opposite surface
+    std::int32_t owner = hull::kNoOwner;  // view whose outline made the surface here
+    float thickness_m = 0.0F;             // from here inwards to the opposite surface
 };
 
 struct SurfelOptions {
@@ -51,7 +50,7 @@ public:
         return {neighbours_.data() + begins_[i], begins_[i + 1] - begins_[i]};
     }
     const PointGrid& grid() const { return grid_; }
-    /// Per triangle of the mesh: the view whose outline made it, or kNobody.
+    /// Per triangle of the mesh: the view whose outline made it, or hull::kNoOwner.
     std::span<const std::int32_t> face_owners() const { return face_owners_; }
 
 private:
@@ -62,14 +61,13 @@ private:
         Eigen::Vector3f position = Eigen::Vector3f::Zero();  // times area
         Eigen::Vector3f normal = Eigen::Vector3f::Zero();    // times area
         float area_m2 = 0.0F;
-        std::int32_t owner = Surfel::kNobody;  // of the largest part of the area, by majority vote
+        std::int32_t owner = hull::kNoOwner;  // of the largest part of the area, by majority vote
         float lead_m2 = 0.0F;
     };
     struct Slot {
         std::uint64_t key = kEmpty;
         std::uint32_t sum = 0;
     };
-    struct Sample;
 
     void add_samples(const geometry::TriangleMesh& mesh,
                      std::span<const Eigen::Vector3d> centres_site,
@@ -86,8 +84,7 @@ private:
     std::vector<Eigen::Vector3f> points_;
     std::vector<Eigen::Vector3f> smoothed_;
     PointGrid grid_;
-    std::vector<std::uint32_t> begins_{
-        0};  // per surfel: its first entry in `neighbours_`; one more
+    std::vector<std::uint32_t> begins_{0};  // per surfel, and one more: first in `neighbours_`
     std::vector<Neighbour> neighbours_;
     std::vector<std::vector<Neighbour>> found_;  // per chunk
 };

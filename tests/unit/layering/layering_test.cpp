@@ -104,7 +104,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
       "site_node/segmentation_worker/",
       "site_node/silhouette/"}},
     {"site_node/hull/", {"core/base/", "core/geometry/"}},
-    {"site_node/refine/", {"core/base/", "core/geometry/", "core/image/"}},
+    {"site_node/refine/", {"core/base/", "core/geometry/", "core/image/", "site_node/hull/"}},
     {"site_node/texture/", {"core/base/", "core/image/", "core/codec/"}},
     {"site_node/stream/", {"core/base/"}},
     {"site_node/preview/",
