@@ -139,7 +139,7 @@ def measure(world, honest, name, seconds, flood):
         sent = int(re.search(r"sent (\d+)", world.text(name + "-flood")).group(1))
     time.sleep(1)
     world.end(listener)
-    match = re.search(r"site alice received (\d+) missing (\d+) longest_gap_ms (\d+) median_ms ([\d.]+)", world.text(name))
+    match = re.search(r"site alice received (\d+) missing (\d+) lost \d+ longest_gap_ms (\d+) median_ms ([\d.]+)", world.text(name))
     if not match:
         fail(f"the listener heard nothing:\n{world.text(name)}")
     received, missing = int(match.group(1)), int(match.group(2))

@@ -61,6 +61,7 @@ mass_kg = 1
     options.security = mona.string();
     monitor_ = value(bus::Participant::create(options));
     meshes_ = value(bus::Reader<bus::SiteMesh>::create(*monitor_));
+    statuses_ = value(bus::Reader<bus::SiteStatus>::create(*monitor_));
     textures_ = value(bus::Reader<bus::CameraTexture>::create(*monitor_));
     states_ = value(bus::Reader<bus::SceneState>::create(*monitor_));
     placements_ = value(bus::Reader<bus::SitePlacement>::create(*monitor_));
@@ -114,14 +115,17 @@ std::string ClosedWorld::take() {
         [&](bus::SiteMesh&& mesh) {
             if (mesh.site != "alice") {
                 wrong = "a mesh of " + mesh.site;
-            } else if (last_frame_ != 0 && mesh.frame_id != last_frame_ + 1) {
-                wrong = fmt::format("frame {} after {}", mesh.frame_id, last_frame_);
+            } else if (!gaps_.take(mesh)) {
+                wrong = fmt::format("frame {} again, or too late", mesh.frame_id);
             }
-            last_frame_ = mesh.frame_id;
             keep(std::move(mesh.draco));
             ++num_meshes_;
         },
         [&](const bus::SiteMesh& gone, bus::Ending) { wrong = "the end of " + gone.site; });
+    statuses_->take([&](bus::SiteStatus&& status) {
+        if (status.site != "alice") wrong = "a status of " + status.site;
+        gaps_.take(status);
+    });
     textures_->take([&](bus::CameraTexture&& texture) { keep(std::move(texture.colour)); });
     states_->take([&](bus::SceneState&& state) {
         ++num_states_;
@@ -135,6 +139,13 @@ std::string ClosedWorld::take() {
     for (const std::string& line : monitor_->take_mismatches()) own_log_ += line + "\n";
     for (const std::string& line : monitor_->take_dds_log()) own_log_ += line + "\n";
     return wrong;
+}
+
+std::optional<std::uint64_t> ClosedWorld::count_lost() {
+    const std::uint64_t num_missing = gaps_.num_missing();
+    const Timestamp now = Timestamp::now();
+    if (!wait_until([&] { return gaps_.covers(now); })) return std::nullopt;
+    return gaps_.num_lost(num_missing);
 }
 
 std::size_t ClosedWorld::num_participants() const {

@@ -3,6 +3,7 @@
 #include "core/bus/bus.hpp"
 #include "core/keys/store.hpp"
 #include "tests/integration/security/forged_object.hpp"
+#include "tests/integration/security/stream_gaps.hpp"
 #include "tests/support/network/hosted_process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -25,8 +26,7 @@ T value(Expected<T> expected) {
     return std::move(*expected);
 }
 
-/// A world server, the site alice, and a monitor in this process. Of all that came from them no
-/// sample is missing.
+/// A world server, the site alice, and a monitor in this process.
 class ClosedWorld {
 public:
     explicit ClosedWorld(std::uint32_t domain);
@@ -52,11 +52,13 @@ public:
     std::unique_ptr<HostedProcess> start(const std::string& program,
                                          const std::vector<std::string>& arguments) const;
 
-    /// Takes what the monitor has received. Returns what is wrong, empty if nothing is: a gap in
-    /// alice's meshes, a mesh of anybody else, a state or placement of anybody but the world
-    /// server's, an end of alice's stream.
+    /// Takes what the monitor has received. Returns what is wrong, empty if nothing is: a mesh
+    /// that is not newer than the one before, a mesh of anybody else, a state or placement of
+    /// anybody but the world server's, an end of alice's stream.
     std::string take();
     std::size_t num_meshes() const { return num_meshes_; }
+    /// Meshes that alice has published and that did not arrive; empty: she says nothing of herself.
+    std::optional<std::uint64_t> count_lost();
     /// What alice sent since the last call: coded meshes and pictures.
     std::vector<std::vector<std::uint8_t>> take_payloads() { return std::exchange(payloads_, {}); }
     /// Participants that the monitor's DDS keeps, with keys or without.
@@ -74,11 +76,12 @@ private:
     std::unique_ptr<HostedProcess> alice_;
     std::optional<bus::Participant> monitor_;
     std::optional<bus::Reader<bus::SiteMesh>> meshes_;
+    std::optional<bus::Reader<bus::SiteStatus>> statuses_;
     std::optional<bus::Reader<bus::CameraTexture>> textures_;
     std::optional<bus::Reader<bus::SceneState>> states_;
     std::optional<bus::Reader<bus::SitePlacement>> placements_;
     std::optional<bus::Waiter> waiter_;
-    std::uint64_t last_frame_ = 0;
+    StreamGaps gaps_;
     std::size_t num_meshes_ = 0;
     std::size_t num_states_ = 0;
     std::string own_log_;

@@ -48,10 +48,11 @@ protected:
     static bool log_has(const std::string& text) {
         return world().wait_until([&] { return world().logs().find(text) != std::string::npos; });
     }
-    // Time for what must not happen to happen: thirty meshes of alice.
+    // Time for what must not happen to happen: thirty meshes of alice, of which none is lost.
     static void let_pass() {
         const std::size_t end = world().num_meshes() + 30;
         ASSERT_TRUE(world().wait_until([end] { return world().num_meshes() >= end; }, 60s));
+        ASSERT_EQ(world().count_lost(), 0u);
     }
 
     std::unique_ptr<HostedProcess> attacker_;
