@@ -53,7 +53,7 @@ void write_side_by_side(const std::filesystem::path& file,
 
 Photo enlarged(const renderer::CameraPicture& picture, int width, int height) {
     Photo photo{width, height, {}, image::Mask(width, height)};
-    photo.bgr.assign(photo.covered.data.size() * 3, 128);
+    photo.bgr.assign(photo.opacity.data.size() * 3, 128);
     const cv::Mat rgba(
         picture.height, picture.width, CV_8UC4, const_cast<std::uint8_t*>(picture.rgba.data()));
     cv::Mat large;
@@ -65,7 +65,7 @@ Photo enlarged(const renderer::CameraPicture& picture, int width, int height) {
             const std::size_t to =
                 static_cast<std::size_t>(y + picture.crop_px.y) * static_cast<std::size_t>(width) +
                 static_cast<std::size_t>(x + picture.crop_px.x);
-            photo.covered.data[to] = 255;
+            photo.opacity.data[to] = 255;
             for (std::size_t c = 0; c < 3; ++c) photo.bgr[3 * to + c] = from[2 - c];
         }
     }
@@ -115,6 +115,23 @@ TruePicture halved(const TruePicture& from) {
         }
     }
     return out;
+}
+
+OutlineError outline_error(const test::TruePicture& truth, const test::Photo& photo) {
+    std::size_t num = 0;
+    OutlineError error;
+    for (std::size_t i = 0; i < truth.mask.data.size(); ++i) {
+        const double opacity = photo.opacity.data[i] / 255.0;
+        if (truth.mask.data[i] == 0) {
+            error.beyond += opacity;
+            continue;
+        }
+        ++num;
+        error.bare += 1.0 - opacity;
+    }
+    error.bare /= static_cast<double>(num);
+    error.beyond /= static_cast<double>(num);
+    return error;
 }
 
 }  // namespace atrium::bench

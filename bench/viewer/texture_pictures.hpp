@@ -31,4 +31,11 @@ void show_person_alone(std::span<const geometry::CalibratedCamera> rig,
 /// textures, and each pixel is the mean of those of four pixels that are inside the mask.
 test::TruePicture halved(const test::TruePicture& from);
 
+/// Where a photo and the truth differ in what is the person, as shares of the true mask.
+struct OutlineError {
+    double bare = 0.0;    // of the mask, not covered
+    double beyond = 0.0;  // covered, outside the mask
+};
+OutlineError outline_error(const test::TruePicture& truth, const test::Photo& photo);
+
 }  // namespace atrium::bench

@@ -43,6 +43,7 @@ struct Options {
     int orbit_steps = 360;
     bool even_colours = true;
     bool needed_only = true;
+    bool soft_outlines = true;
     std::uint64_t repeats = 1;
     std::string refine = "off";
 };
@@ -96,13 +97,15 @@ public:
                const test::ReceivedPerson& person,
                const Options& options,
                test::Sampling sampling = test::Sampling::kMean)
-        : scene_(std::move(scene) + (options.refine == "off" ? "" : " " + options.refine)),
+        : scene_(std::move(scene) + (options.refine == "off" ? "" : " " + options.refine) +
+                 (options.soft_outlines ? "" : " hard")),
           options_(options),
           photographer_(value_of(test::PersonPhotographer::create(sampling))),
           received_(person),
           model_(model_of(person, options)),
           weighted_(model_) {
         person_.set_model(model_);
+        photographer_.set_soft_outlines(options.soft_outlines);
     }
 
     // `own` is the texture made of `truth`, if there is one.
@@ -174,21 +177,16 @@ private:
 
     void report(const TruePicture& truth, const Photo& photo, const std::string& way) {
         const test::PictureError error = test::picture_error(truth.bgr, photo.bgr, truth.mask);
-        std::size_t num = 0;
-        std::size_t num_bare = 0;
-        for (std::size_t i = 0; i < truth.mask.data.size(); ++i) {
-            if (truth.mask.data[i] == 0) continue;
-            ++num;
-            num_bare += photo.covered.data[i] == 0 ? 1 : 0;
-        }
-        fmt::print("{},{},{},{:.3f},{:.3f},{:.5f},{:.5f}\n",
+        const OutlineError outline = outline_error(truth, photo);
+        fmt::print("{},{},{},{:.3f},{:.3f},{:.5f},{:.5f},{:.5f}\n",
                    scene_,
                    num_views_,
                    way,
                    error.psnr_db,
                    error.inner_psnr_db,
                    error.ssim,
-                   static_cast<double>(num_bare) / static_cast<double>(num));
+                   outline.bare,
+                   outline.beyond);
         std::fflush(stdout);
         test::PictureError& sum = sums_.try_emplace(way, kNoError).first->second;
         sum.psnr_db += error.psnr_db;
@@ -373,6 +371,7 @@ int run(int argc, char** argv) {
     set.add("even-colours", options.even_colours, "cameras' colours are evened out");
     set.add(
         "needed-only", options.needed_only, "of each view only the cameras that a viewer decodes");
+    set.add("soft-outlines", options.soft_outlines, "people have soft outlines, as usual");
     set.add("repeats",
             options.repeats,
             "the model is prepared and blended so often; the shortest times are told",
@@ -387,7 +386,7 @@ int run(int argc, char** argv) {
                    argv);
     if (!started.go_on) return started.exit_code;
     if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
-    fmt::print("scene,view,way,psnr_db,inner_psnr_db,ssim,bare\n");
+    fmt::print("scene,view,way,psnr_db,inner_psnr_db,ssim,bare,beyond\n");
     compare_recording(options);
     compare_room(options);
     compare_screen(options);

@@ -28,6 +28,10 @@ SCENES = {"ring20": "ring20: 10 cameras give textures, shown where the other 10 
           "ring20 own photo": "likewise, at the poses of the cameras that gave the textures",
           "room photo": "simulated room with `hull.refine = \"photo\"`, at 20 free viewpoints",
           "room own photo": "likewise, at the poses of the cameras that gave the textures",
+          "ring20 hard": "ring20 with `view.outlines = \"hull\"`, where the other 10 stood",
+          "ring20 own hard": "likewise, at the poses of the cameras that gave the textures",
+          "room hard": "simulated room with `view.outlines = \"hull\"`, at 20 free viewpoints",
+          "room own hard": "likewise, at the poses of the cameras that gave the textures",
           "screen": "simulated person before a green screen: 8 cameras, shown at 20 free viewpoints",
           "screen full": "likewise with textures at full resolution"}
 WAYS = {"viewer": "viewer", "nearest camera": "nearest camera alone", "equal": "all that face it, equally", "its texture": "the texture itself"}
@@ -46,14 +50,15 @@ def quality(rows):
 
 def main(table, page):
     rows, comment = read_rows(table)
-    out = ["| shown | " + " | ".join(WAYS.values()) + " | not covered |", "|---" * (2 + len(WAYS)) + "|"]
+    out = ["| shown | " + " | ".join(WAYS.values()) + " | not covered | beyond |", "|---" * (3 + len(WAYS)) + "|"]
     for scene, what in SCENES.items():
         own = [row for row in rows if row["scene"] == scene]
         if not own:
             continue
         by_way = {way: [row for row in own if row["way"] == way] for way in WAYS}
         cells = [quality(by_way[way]) for way in WAYS]
-        out.append(f"| {what} | " + " | ".join(cells) + f" | {100 * mean(by_way['viewer'], 'bare'):.1f} % |")
+        shares = [f"{100 * mean(by_way['viewer'], column):.1f} %" for column in ("bare", "beyond")]
+        out.append(f"| {what} | " + " | ".join(cells + shares) + " |")
     orbit = {row["way"]: row for row in rows if row["scene"] == "orbit"}
     if orbit:
         shown, true = orbit["viewer"], orbit["truth"]

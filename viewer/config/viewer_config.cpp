@@ -46,6 +46,11 @@ void declare(ViewConfig& view, config::OptionSet& set) {
             view.antialias,
             "anti-aliasing; fxaa costs about 12 ms of one core per picture in software",
             {"none", "fxaa"});
+    set.add("view.outlines",
+            view.outlines,
+            "outlines of people; soft: what the nearest cameras saw a little beyond the hull shows "
+            "too; hull: as the hull has them",
+            {"soft", "hull"});
     set.add("view.names",
             view.names,
             "names over the heads of people; auto: only in a window",

@@ -29,11 +29,12 @@ struct ViewConfig {
     std::string target_m;
     double fov_deg = 38.0;
     std::string antialias = "none";
-    std::string names = "auto";    // auto: only in a window
-    std::string context = "auto";  // window, egl, osmesa: only that one
-    std::string debug = "off";     // on: starts with the debug view
-    std::string adapt = "auto";    // off: never reduces the quality
-    double scale = 1.0;            // maximum share of the picture's width and height
+    std::string outlines = "soft";  // of people
+    std::string names = "auto";     // auto: only in a window
+    std::string context = "auto";   // window, egl, osmesa: only that one
+    std::string debug = "off";      // on: starts with the debug view
+    std::string adapt = "auto";     // off: never reduces the quality
+    double scale = 1.0;             // maximum share of the picture's width and height
     std::string shadows = "on";
     double ui_scale = 0.0;  // of panels and names; 0: automatic
 };

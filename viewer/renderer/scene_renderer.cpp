@@ -26,12 +26,14 @@ struct SceneRenderer::Impl {
     std::map<std::string, PersonDrawing> people;
     std::map<std::string, Eigen::Matrix4d> site_poses;
     bool has_shadows = true;
+    bool has_soft_outlines = true;
     bool is_shadow_current = false;
 
     Expected<void> create(const RendererOptions& options);
     void changed(ObjectScene::Affects affected);
     void draw_shadow();
     void draw_eye(const EyeView& eye, std::span<const ObjectLook* const> floors, bool has_backdrop);
+    void draw_outline(PersonDrawing& person, const EyeView& eye);
     void draw_faded(PersonDrawing& person, const EyeView& eye);
 };
 
@@ -41,6 +43,7 @@ Expected<void> SceneRenderer::Impl::create(const RendererOptions& options) {
         part = std::move(*made);
         return {};
     };
+    has_soft_outlines = options.has_soft_outlines;
     Expected<void> done = make(person_shaders, PersonShaders::create());
     if (done) done = make(objects, ObjectScene::create());
     if (done) done = make(backdrop, Backdrop::create());
@@ -89,11 +92,19 @@ void SceneRenderer::Impl::draw_eye(const EyeView& eye,
     // one looks through wires at insides, which would be dark
     if (!overlay->is_wireframe()) objects->draw_received_shadows(view, *backdrop);
     // after everything that is visible through them
+    for (auto& [site, person] : people)
+        if (person.is_solid()) draw_outline(person, eye);
     for (auto& [site, person] : people) {
         if (!person.is_solid() && person.opacity() > 0.0) draw_faded(person, eye);
     }
     silhouettes->draw(people, view.clip_from_world, overlay->silhouettes_m());
     overlay->draw_lines(eye);
+}
+
+void SceneRenderer::Impl::draw_outline(PersonDrawing& person, const EyeView& eye) {
+    if (!has_soft_outlines || overlay->is_wireframe()) return;
+    const View view = eye.view();
+    person.draw_outline(person_shaders, view.clip_from_world, view.eye_world, eye.part_px.height);
 }
 
 void SceneRenderer::Impl::draw_faded(PersonDrawing& person, const EyeView& eye) {
@@ -107,6 +118,7 @@ void SceneRenderer::Impl::draw_faded(PersonDrawing& person, const EyeView& eye) 
     glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA);
     person.draw(person_shaders, view.clip_from_world, view.eye_world);
     glDisable(GL_BLEND);
+    draw_outline(person, eye);
 }
 
 SceneRenderer::SceneRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -21,6 +21,7 @@ struct RendererOptions {
     int width = 960;
     int height = 540;
     Antialias antialias = Antialias::kNone;
+    bool has_soft_outlines = true;  // of people (OutlineStrip)
 };
 
 /// Draws people and objects on a floor from any viewpoint. Knows no DDS and no window.

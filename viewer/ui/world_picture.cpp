@@ -31,11 +31,12 @@ Expected<void> WorldPicture::open(const ViewerConfig& config,
         surface = std::move(*opened);
     }
     const auto [width, height] = display.picture_size(surface->size());
-    auto created = renderer::SceneRenderer::create({.width = width,
-                                                    .height = height,
-                                                    .antialias = config.view.antialias == "fxaa"
-                                                                     ? renderer::Antialias::kFxaa
-                                                                     : renderer::Antialias::kNone});
+    auto created = renderer::SceneRenderer::create(
+        {.width = width,
+         .height = height,
+         .antialias = config.view.antialias == "fxaa" ? renderer::Antialias::kFxaa
+                                                      : renderer::Antialias::kNone,
+         .has_soft_outlines = config.view.outlines == "soft"});
     if (!created) return tl::unexpected(created.error());
     renderer.emplace(std::move(*created));
     annotations.emplace(config.view, surface->is_window());

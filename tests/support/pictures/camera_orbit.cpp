@@ -20,10 +20,10 @@ constexpr std::array<std::uint8_t, 3> kScreenBgr{96, 150, 40};
 
 Photo on_grey(std::span<const std::uint8_t> rgba, int width, int height) {
     Photo photo{width, height, {}, image::Mask(width, height)};
-    photo.bgr.resize(photo.covered.data.size() * 3);
-    for (std::size_t i = 0; i < photo.covered.data.size(); ++i) {
+    photo.bgr.resize(photo.opacity.data.size() * 3);
+    for (std::size_t i = 0; i < photo.opacity.data.size(); ++i) {
         const std::uint8_t* p = rgba.data() + 4 * i;
-        photo.covered.data[i] = p[3] > 0 ? 255 : 0;
+        photo.opacity.data[i] = p[3] > 0 ? 255 : 0;
         // like `PersonPhotographer`: the mean of the samples that show the person
         for (std::size_t c = 0; c < 3; ++c)
             photo.bgr[3 * i + c] = static_cast<std::uint8_t>(

@@ -32,43 +32,60 @@ Eigen::Matrix4d clip_from_camera(const geometry::PinholeCamera& c) {
 
 constexpr double kLeastCoverage = 0.01;
 
-// Sums of the samples around one pixel.
+// Sums of some samples.
+struct Sum {
+    Eigen::Vector3d rgb = Eigen::Vector3d::Zero();  // times opacity
+    double alpha = 0.0;
+    double opacity = 0.0;  // of the most opaque one, in [0, 1]
+
+    void add(double weight, const Sum& other) {
+        if (weight <= 0.0) return;
+        rgb += weight * other.rgb;
+        alpha += weight * other.alpha;
+        opacity = std::max(opacity, other.opacity);
+    }
+};
+
+// The samples around one pixel.
 class Samples {
 public:
     Samples(const std::vector<std::uint8_t>& rgba, int width, int height, Sampling sampling)
         : rgba_(rgba), width_(width), height_(height), sampling_(sampling) {}
 
-    // Sums for the pixel around (x, y), as `at`.
-    Eigen::Vector4d pixel(double x, double y) const {
+    Sum pixel(double x, double y) const {
         const int n = samples_of(sampling_);
         if (sampling_ == Sampling::kCentre) {
-            const Eigen::Vector4d centre = at((x + 0.5) * n - 0.5, (y + 0.5) * n - 0.5);
-            if (centre.w() >= kLeastCoverage) return centre;
+            const Sum centre = at((x + 0.5) * n - 0.5, (y + 0.5) * n - 0.5);
+            if (centre.alpha >= kLeastCoverage) return centre;
         }
-        Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+        Sum sum;
         for (const double dy : {-0.25, 0.25}) {
             for (const double dx : {-0.25, 0.25})
-                sum += at((x + dx + 0.5) * n - 0.5, (y + dy + 0.5) * n - 0.5);
+                sum.add(1.0, at((x + dx + 0.5) * n - 0.5, (y + dy + 0.5) * n - 0.5));
         }
         return sum;
     }
 
 private:
-    // Red, green, blue times coverage, and coverage, at (x, y) from the top, linearly interpolated.
-    Eigen::Vector4d at(double x, double y) const {
+    // At (x, y) from the top, linearly interpolated.
+    Sum at(double x, double y) const {
         const auto x0 = static_cast<int>(std::floor(x));
         const auto y0 = static_cast<int>(std::floor(y));
         const double u = x - x0;
         const double v = y - y0;
-        return (1 - v) * ((1 - u) * sample(x0, y0) + u * sample(x0 + 1, y0)) +
-               v * ((1 - u) * sample(x0, y0 + 1) + u * sample(x0 + 1, y0 + 1));
+        Sum sum;
+        sum.add((1 - v) * (1 - u), sample(x0, y0));
+        sum.add((1 - v) * u, sample(x0 + 1, y0));
+        sum.add(v * (1 - u), sample(x0, y0 + 1));
+        sum.add(v * u, sample(x0 + 1, y0 + 1));
+        return sum;
     }
-    Eigen::Vector4d sample(int x, int y) const {
-        if (x < 0 || y < 0 || x >= width_ || y >= height_) return Eigen::Vector4d::Zero();
+    Sum sample(int x, int y) const {
+        if (x < 0 || y < 0 || x >= width_ || y >= height_) return {};
         const std::uint8_t* p =
             rgba_.data() + 4 * (static_cast<std::ptrdiff_t>(height_ - 1 - y) * width_ + x);
-        return p[3] == 0 ? Eigen::Vector4d(Eigen::Vector4d::Zero())
-                         : Eigen::Vector4d(p[0], p[1], p[2], 1.0);
+        const double alpha = p[3] / 255.0;
+        return {Eigen::Vector3d(p[0], p[1], p[2]), alpha, alpha};
     }
     const std::vector<std::uint8_t>& rgba_;
     int width_;
@@ -133,7 +150,7 @@ Photo PersonPhotographer::take(const geometry::CalibratedCamera& camera, const P
     gl::read_rgba(width, height, samples_);
 
     Photo photo{lens.width, lens.height, {}, image::Mask(lens.width, lens.height)};
-    photo.bgr.assign(photo.covered.data.size() * 3, kGrey);
+    photo.bgr.assign(photo.opacity.data.size() * 3, kGrey);
     const Samples samples(samples_, width, height, sampling_);
     const image::PixelRect rect = painted_rect(samples_, width, height, samples_of(sampling_));
     for (int y = rect.y; y < rect.y + rect.height; ++y) {
@@ -144,15 +161,18 @@ Photo PersonPhotographer::take(const geometry::CalibratedCamera& camera, const P
                 if (!straight) continue;
                 at = *straight;
             }
-            const Eigen::Vector4d sum = samples.pixel(at.x(), at.y());
-            if (sum.w() < kLeastCoverage) continue;
+            const Sum sum = samples.pixel(at.x(), at.y());
+            if (sum.alpha < kLeastCoverage) continue;
             const std::size_t i =
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(lens.width) +
                 static_cast<std::size_t>(x);
-            photo.covered.data[i] = 255;
+            photo.opacity.data[i] = static_cast<std::uint8_t>(std::lround(255.0 * sum.opacity));
+            const Eigen::Vector3d grey = Eigen::Vector3d::Constant((1.0 - sum.opacity) * kGrey);
+            const Eigen::Vector3d rgb =
+                (sum.rgb * (sum.opacity / sum.alpha) + grey).cwiseMin(255.0);
             for (std::size_t c = 0; c < 3; ++c)
-                photo.bgr[3 * i + c] = static_cast<std::uint8_t>(
-                    std::lround(sum[2 - static_cast<Eigen::Index>(c)] / sum.w()));
+                photo.bgr[3 * i + c] =
+                    static_cast<std::uint8_t>(std::lround(rgb[2 - static_cast<Eigen::Index>(c)]));
         }
     }
     return photo;
@@ -162,6 +182,7 @@ Photo PersonPhotographer::take(const geometry::CalibratedCamera& camera,
                                renderer::PersonDrawing& person) {
     return take(camera, [&](const Eigen::Matrix4d& clip_from_site, const Eigen::Vector3d& eye) {
         person.draw(*shaders_, clip_from_site, eye);
+        if (has_soft_outlines_) person.draw_outline(*shaders_, clip_from_site, eye, target_.height);
     });
 }
 

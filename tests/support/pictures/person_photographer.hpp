@@ -21,7 +21,7 @@ struct Photo {
     int width = 0;
     int height = 0;
     std::vector<std::uint8_t> bgr;  // packed, rows from the top; grey outside the person
-    image::Mask covered;            // 255 if any of the pixel's samples shows the person
+    image::Mask opacity;            // 255 if any of the pixel's samples shows the person's surface
 };
 
 /// How a photo computes its pixels.
@@ -39,7 +39,10 @@ class PersonPhotographer {
 public:
     static Expected<PersonPhotographer> create(Sampling sampling = Sampling::kMean);
 
-    /// Draws into the bound framebuffer, whose alpha is 0 where nothing is drawn.
+    /// Whether people are drawn with soft outlines (renderer::OutlineStrip), as usual.
+    void set_soft_outlines(bool are_on) { has_soft_outlines_ = are_on; }
+
+    /// Draws into the bound framebuffer, which is black with alpha 0.
     using Paint =
         std::function<void(const Eigen::Matrix4d& clip_from_site, const Eigen::Vector3d& eye_site)>;
     Photo take(const geometry::CalibratedCamera& camera, const Paint& paint);
@@ -53,6 +56,7 @@ private:
 
     gl::OffscreenContext context_;  // destroyed last
     Sampling sampling_;
+    bool has_soft_outlines_ = true;
     std::optional<renderer::PersonShaders> shaders_;
     gl::Framebuffer target_;
     std::vector<std::uint8_t> samples_;  // RGBA, bottom row first

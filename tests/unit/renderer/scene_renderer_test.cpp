@@ -203,6 +203,40 @@ TEST_F(SceneRendererTest, SmoothingSoftensEdgesAndKeepsFlatColours) {
     EXPECT_LT(num_different, kWidth * kHeight / 10);
 }
 
+TEST_F(SceneRendererTest, SoftOutlinesStayBehindObjects) {
+    auto hard =
+        SceneRenderer::create({.width = kWidth, .height = kHeight, .has_soft_outlines = false});
+    ASSERT_TRUE(hard) << hard.error().message;
+    const synthetic::Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
+    std::vector<CameraPicture> pictures;
+    for (const auto& camera : synthetic::ring(6, sphere.centre))
+        pictures.push_back(synthetic::picture_of(
+            {sphere}, camera, [](const auto&) { return Eigen::Vector3d(0.9, 0.1, 0.1); }));
+    const ViewCamera camera{.position_m = {3, 0, 1}, .target_m = {0, 0, 1}, .fov_deg = 30.0};
+    // hides the left half
+    ObjectLook wall{.shape = ShapeKind::kBox, .colour = {0.1, 0.2, 0.8}};
+    wall.size_m = {0.1, 1.0, 2.0};
+    wall.world_from_object.translation = {0.8, -0.5, 1.0};
+    const auto show = [&](SceneRenderer& renderer) {
+        renderer.set_person("a", person_of({{sphere.centre, 0.49}}, pictures));
+        renderer.set_object(0, wall);
+        renderer.draw(camera);
+        renderer.read_pixels(picture_);
+        return picture_;
+    };
+    const RenderedPicture without = show(*hard);
+    const RenderedPicture with = show(*renderer_);
+    int num_left = 0;
+    int num_right = 0;
+    for (std::size_t i = 0; i < with.rgba.size(); i += 4) {
+        if (std::equal(&with.rgba[i], &with.rgba[i] + 3, &without.rgba[i])) continue;
+        ++(static_cast<int>(i / 4) % kWidth < kWidth / 2 ? num_left : num_right);
+        EXPECT_LT(with.rgba[i + 2], without.rgba[i + 2]) << "red over the floor and the sky";
+    }
+    EXPECT_EQ(std::min(num_left, num_right), 0);
+    EXPECT_GT(std::max(num_left, num_right), 100);
+}
+
 TEST_F(SceneRendererTest, DrawsASoftClothFromBothSidesAndARope) {
     const ViewCamera front{.position_m = {0, -3, 1}, .target_m = {0, 0, 1}, .fov_deg = 45.0};
     const ViewCamera back{.position_m = {0, 3, 1}, .target_m = {0, 0, 1}, .fov_deg = 45.0};

@@ -65,16 +65,23 @@ Expected<PersonShaders> PersonShaders::create() {
         if (!program) return tl::unexpected(program.error());
         shaders.by_group[g] = std::move(*program);
     }
+    auto outline = gl::ShaderProgram::create("outline of a person",
+                                             shaders::person_vertex(kStripCameras),
+                                             shaders::outline_strip_fragment());
+    if (!outline) return tl::unexpected(outline.error());
+    shaders.outline = std::move(*outline);
     return shaders;
 }
 
 PersonDrawing::PersonDrawing() {
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-        groups_[g] = {gl::make_vertex_array(), gl::make_buffer()};
-        glBindVertexArray(groups_[g].layout.id());
-        glBindBuffer(GL_ARRAY_BUFFER, groups_[g].vertices.id());
-        describe_group(kCamerasPerTriangle[g]);
-    }
+    const auto make = [](Group& group, std::size_t num_cameras) {
+        group = {gl::make_vertex_array(), gl::make_buffer()};
+        glBindVertexArray(group.layout.id());
+        glBindBuffer(GL_ARRAY_BUFFER, group.vertices.id());
+        describe_group(num_cameras);
+    };
+    for (std::size_t g = 0; g < groups_.size(); ++g) make(groups_[g], kCamerasPerTriangle[g]);
+    make(strip_group_, kStripCameras);
     glBindVertexArray(0);
 }
 
@@ -139,7 +146,9 @@ void PersonDrawing::upload_pictures() {
                     model_.layers.data());
 }
 
-void PersonDrawing::blend(const Eigen::Vector3f& eye_site) {
+void PersonDrawing::blend(const Eigen::Vector3d& eye_world) {
+    const Eigen::Vector3f eye_site =
+        (world_from_site_.inverse() * eye_world.homogeneous()).head<3>().cast<float>();
     if (is_blended_ && eye_site == blended_eye_site_) return;
     blend_for_view(model_, eye_site, scratch_, blended_);
     is_blended_ = true;
@@ -150,14 +159,14 @@ void PersonDrawing::blend(const Eigen::Vector3f& eye_site) {
                groups_[g].capacity_bytes,
                [&](std::span<float> to) { lay_out(model_, blended_, g, to); });
     }
+    has_strip_ = false;
 }
 
 void PersonDrawing::draw(const PersonShaders& shaders,
                          const Eigen::Matrix4d& clip_from_world,
                          const Eigen::Vector3d& eye_world) {
     if (model_.triangles.empty()) return;
-    const Eigen::Vector4d eye_site = world_from_site_.inverse() * eye_world.homogeneous();
-    blend(eye_site.head<3>().cast<float>());
+    blend(eye_world);
     const Eigen::Matrix4f clip_from_site = (clip_from_world * world_from_site_).cast<float>();
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D_ARRAY, pictures_.id());
@@ -169,6 +178,48 @@ void PersonDrawing::draw(const PersonShaders& shaders,
         glBindVertexArray(groups_[g].layout.id());
         glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(blended_.groups[g].num_vertices()));
     }
+}
+
+// Size in the picture at the middle of the person; negative behind the eye.
+double PersonDrawing::px_per_m(const Eigen::Matrix4d& clip_from_world, int height_px) const {
+    const double up = clip_from_world.row(1).head<3>().norm();
+    return 0.5 * height_px * up / (clip_from_world.row(3) * bounds_world().center().homogeneous());
+}
+
+void PersonDrawing::find_strip() {
+    if (has_strip_) return;
+    has_strip_ = true;
+    strip_.find(model_, blended_eye_site_, scratch_);
+    stream(strip_.vertices().size(),
+           strip_group_.vertices,
+           strip_group_.capacity_bytes,
+           [&](std::span<float> to) { std::ranges::copy(strip_.vertices(), to.begin()); });
+}
+
+void PersonDrawing::draw_outline(const PersonShaders& shaders,
+                                 const Eigen::Matrix4d& clip_from_world,
+                                 const Eigen::Vector3d& eye_world,
+                                 int height_px) {
+    // in smaller people the strip is narrower than a pixel
+    constexpr double kLeastPxPerM = 100.0;
+    if (model_.triangles.empty() || !(px_per_m(clip_from_world, height_px) > kLeastPxPerM)) return;
+    blend(eye_world);
+    find_strip();
+    if (strip_.vertices().empty()) return;
+    const Eigen::Matrix4f clip_from_site = (clip_from_world * world_from_site_).cast<float>();
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, pictures_.id());
+    shaders.outline.use();
+    shaders.outline.set("clip_from_site", clip_from_site);
+    shaders.outline.set("pictures", 0);
+    shaders.outline.set("opacity", static_cast<float>(opacity_));
+    glBindVertexArray(strip_group_.layout.id());
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glDepthMask(GL_FALSE);
+    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(strip_.num_vertices()));
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
 }
 
 // Finds the shadow pixels on the CPU, once per model: about six hundred pixels from ten times as

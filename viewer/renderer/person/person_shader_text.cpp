@@ -1,6 +1,8 @@
 #include "viewer/renderer/person/person_shader_text.hpp"
 
 #include "viewer/renderer/person/camera_blend.hpp"
+#include "viewer/renderer/person/outline_strip.hpp"
+#include "viewer/renderer/person/person_rows.hpp"
 
 #include <algorithm>
 
@@ -77,6 +79,23 @@ std::string person_fragment(std::size_t num_cameras) {
                 ".xy / in_picture" + slot + ".z, " + layer + "));\n";
     }
     return text + "    fragment = vec4(sum.rgb / sum.a, 1.0);\n}\n";
+}
+
+std::string outline_strip_fragment() {
+    std::string text =
+        "#version 330 core\nuniform sampler2DArray pictures;\nuniform float opacity;\n"
+        "in vec3 fallback_colour;\nout vec4 fragment;\nflat in " +
+        layers_type(kStripCameras) + " used_layers0;\n" +
+        for_each_slot(kStripCameras, "in vec4 in_picture#;") +
+        "void main() {\n    float seen = 0.0;\n";
+    // texels at the outline of a mask have little alpha, but show the person
+    text += for_each_slot(kStripCameras,
+                          "    seen += in_picture#.w * min(texture(pictures, vec3(in_picture#.xy / "
+                          "in_picture#.z, used_layers0[#])).a * " +
+                              std::to_string(255.0 / kOutlineAlpha) + ", 1.0);");
+    return text +
+           "    float alpha = opacity * max(2.0 * seen - 1.0, 0.0);\n"
+           "    fragment = vec4(fallback_colour * alpha, alpha);\n}\n";
 }
 
 }  // namespace atrium::renderer::shaders

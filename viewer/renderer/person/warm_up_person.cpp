@@ -45,10 +45,12 @@ PersonModel make_warm_up_person(const Eigen::Vector3f& eye_site,
     }
     const std::size_t num_vertices = model.vertices_site.size();
     model.normals.assign(num_vertices, to_eye);
+    model.normals[2] = -to_eye;  // the first triangle is at the outline
     model.fallback.assign(num_vertices, Eigen::Vector3f::Constant(0.5f));
     for (std::size_t c = 0; c < num_cameras; ++c) {
         PersonModel::Camera camera;
         camera.centre_site = eye_site;
+        camera.intrinsics.fx = camera.intrinsics.fy = kLayerWidth;
         camera.crop_px = {0, 0, kLayerWidth, kLayerHeight};
         camera.layer_coordinates.assign(num_vertices, {0.5f, 0.5f, 1.0f});
         camera.facing.assign(model.triangles.size(), 1.0f);
@@ -59,7 +61,8 @@ PersonModel make_warm_up_person(const Eigen::Vector3f& eye_site,
     }
     model.layer_width = kLayerWidth;
     model.layer_height = kLayerHeight;
-    model.layers.assign(num_cameras * 4 * kLayerWidth * kLayerHeight, 255);
+    // nobody, so that all cameras see the outline end
+    model.layers.assign(num_cameras * 4 * kLayerWidth * kLayerHeight, 0);
     return model;
 }
 

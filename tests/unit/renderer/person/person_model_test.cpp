@@ -3,6 +3,7 @@
 #include "tests/support/sanitized.hpp"
 #include "tests/unit/renderer/synthetic_person.hpp"
 #include "viewer/renderer/person/camera_blend.hpp"
+#include "viewer/renderer/person/outline_strip.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -116,10 +117,14 @@ TEST(PersonModel, StaysFiniteForAbsurdCamerasAndMeshes) {
         for (const auto& colour : model.fallback) ASSERT_TRUE(colour.allFinite()) << seed;
         BlendScratch scratch;
         BlendedMesh blended;
-        blend_for_view(model, people.eye(), scratch, blended);
+        const Eigen::Vector3f eye = people.eye();
+        blend_for_view(model, eye, scratch, blended);
         for (const VertexBlend& blend : scratch.vertices)
             for (const float weight : blend.weights)
                 ASSERT_TRUE(weight >= 0.0f && weight <= 1.0f) << seed << " " << weight;
+        OutlineStrip strip;
+        strip.find(model, eye, scratch);
+        for (const float value : strip.vertices()) ASSERT_TRUE(std::isfinite(value)) << seed;
     }
 }
 

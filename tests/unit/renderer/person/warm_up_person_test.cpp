@@ -1,6 +1,7 @@
 #include "viewer/renderer/person/warm_up_person.hpp"
 
 #include "viewer/renderer/person/camera_blend.hpp"
+#include "viewer/renderer/person/outline_strip.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,6 +23,9 @@ TEST(WarmUpPerson, UsesEachPersonShaderOnce) {
             for (std::size_t g = 0; g < blended.groups.size(); ++g)
                 EXPECT_EQ(blended.groups[g].triangles.size(), 1U)
                     << "of " << kCamerasPerTriangle[g] << " cameras, from " << eye.transpose();
+            OutlineStrip strip;
+            strip.find(person, eye, scratch);
+            EXPECT_EQ(strip.num_vertices(), 6U);
         }
     }
 }
