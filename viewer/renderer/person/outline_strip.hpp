@@ -24,7 +24,7 @@ struct OutlineStripOptions {
     /// The strip lies this far behind the outline: before the room, and behind the rest of the
     /// person.
     float behind_m = 0.1F;
-    float part_m = 0.015F;  // length of its parts, at least
+    float part_m = 0.025F;  // length of its parts, at least
 };
 
 /// A strip around the outline of a person as one eye sees it.
