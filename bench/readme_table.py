@@ -129,8 +129,10 @@ def newest_rows(kind):
 
 
 def measured_on(comment):
-    """ "MACHINE, score, date" of the first line of a CSV file: "DATE, MACHINE, ..." with "machine score N" somewhere, or without."""
-    date, name = comment.split(", ")[:2]
+    """ "MACHINE, score, date" of the first line of a CSV file: "DATE, MACHINE, ..." or "DATE, commit C, MACHINE, ..." with "machine
+    score N" somewhere, or without."""
+    date, *others = comment.split(", ")
+    name = next(part for part in others if not part.startswith("commit "))
     score = re.search(r"machine score ([\d.]+)", comment)
     return f"{name}, {f'score {float(score.group(1)):.0f}' if score else 'score not measured'}, {date[:10]}"
 
