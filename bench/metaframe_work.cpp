@@ -299,12 +299,13 @@ void run_viewer(const std::filesystem::path& folder, int num) {
     const world_server::WorldServerConfig world = world_config();
     const auto context = value(gl::OffscreenContext::create(16, 16));
     auto scene = value(renderer::SceneRenderer::create({.width = 960, .height = 540}));
-    put_things(world, scene);
-    for (const world_server::NamedPlacement& placement : world.placements)
-        scene.set_site_pose(placement.site, placement.world_from_site);
     // deploy/viewer.toml
     const renderer::ViewCamera camera{
         .position_m = {1.9, -3.7, 1.75}, .target_m = {0.0, 0.0, 0.92}, .fov_deg = 36.0};
+    scene.warm_up(camera);
+    put_things(world, scene);
+    for (const world_server::NamedPlacement& placement : world.placements)
+        scene.set_site_pose(placement.site, placement.world_from_site);
     const std::array<std::string, 2> sites{"alice", "bob"};
     std::array<std::array<Eigen::Vector3f, 1>, 2> eyes;
     for (std::size_t k = 0; k < sites.size(); ++k) {
