@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <utility>
 
 namespace atrium::refine {
@@ -11,6 +13,17 @@ namespace {
 
 constexpr int kDepthPicturePx = 192;      // long side
 constexpr float kHiddenBehind_m = 0.03F;  // behind a nearer surface
+
+// Scores of all steps, for vector instructions that every x86-64 has.
+using FourScores = float __attribute__((vector_size(16)));
+using Scores = std::array<FourScores, InwardSweep::kNumSteps / 4>;
+
+// Of a camera without distortion: homogeneous pixels from points in its frame.
+Eigen::Matrix3f linear_part(const geometry::PinholeCamera& camera) {
+    Eigen::Matrix3d px_from_camera;
+    px_from_camera << camera.fx, camera.skew, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;
+    return px_from_camera.cast<float>();
+}
 
 }  // namespace
 
@@ -24,18 +37,20 @@ void InwardSweep::look(const geometry::TriangleMesh& mesh,
         fill(views[index], camera.luma_scratch, camera.luma);
         if (camera.luma.width == 0) return;
         const geometry::CalibratedCamera& calibrated = *views[index].camera;
-        const Eigen::Matrix3d& rotation = rotations_[index];
+        const Eigen::Matrix3f lens = linear_part(calibrated.intrinsics);
+        const Eigen::Matrix3f rotation = rotations_[index].cast<float>();
+        const Eigen::Vector3f translation = calibrated.camera_from_site.translation.cast<float>();
         const std::size_t num_vertices = mesh.vertices.size();
         camera.points.resize(num_vertices + surfels_.size());
         for (std::size_t i = 0; i < camera.points.size(); ++i) {
-            const Eigen::Vector3d site =
-                i < num_vertices ? mesh.vertices[i]
-                                 : surfels_[i - num_vertices].position_site.cast<double>();
-            const Eigen::Vector3d at = rotation * site + calibrated.camera_from_site.translation;
+            const Eigen::Vector3f site = i < num_vertices
+                                             ? Eigen::Vector3f(mesh.vertices[i].cast<float>())
+                                             : surfels_[i - num_vertices].position_site;
+            const Eigen::Vector3f at = rotation * site + translation;
             Eigen::Vector3f point = Eigen::Vector3f::Zero();  // inverse depth 0: behind the camera
-            if (at.z() > kNearest_m) {
-                point.head<2>() = calibrated.intrinsics.project(at).cast<float>();
-                point.z() = static_cast<float>(1.0 / at.z());
+            if (at.z() > static_cast<float>(kNearest_m)) {
+                point = lens * at / at.z();
+                point.z() = 1.0F / at.z();
             }
             image::set(camera.points, i, point);
         }
@@ -100,7 +115,7 @@ std::size_t InwardSweep::paths_of(std::size_t index,
 
 void InwardSweep::sweep(std::span<const PictureView> views, Executor& executor) {
     const std::size_t size = surfels_.size();
-    scores_.assign(size * options_.num_steps, kUnknownScore);
+    scores_.assign(size * kNumSteps, kUnknownScore);
     const auto work = [&](std::size_t chunk, std::size_t) {
         for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
             std::array<PatchPath, kMostPaths> paths;
@@ -108,61 +123,58 @@ void InwardSweep::sweep(std::span<const PictureView> views, Executor& executor) 
             if (num == 0) continue;
             // beyond the middle it would be the surface of the other side
             constexpr float kMostOfThickness = 0.6F;
-            const float step_m = options_.most_depth_m / static_cast<float>(options_.num_steps - 1);
+            const float step_m = options_.most_depth_m / static_cast<float>(kNumSteps - 1);
             const auto most =
                 static_cast<std::size_t>(kMostOfThickness * surfels_[i].thickness_m / step_m);
+            // neighbours follow each other in the list, and score the other half of the steps
             score_depths(std::span(paths).first(num),
-                         options_.num_steps,
-                         {scores(i), std::min(options_.num_steps, most + 1)});
+                         {.num = kNumSteps, .first = i % 2, .stride = 2},
+                         {scores(i), std::min(kNumSteps, most + 1)});
         }
     };
     executor.parallel_for(num_chunks(size), work);
 }
 
-// Means with the neighbours: one patch alone is often ambiguous.
+// Means with the neighbours: one patch alone is often ambiguous, and each knows half of the steps.
 void InwardSweep::share_scores(Executor& executor) {
     const std::size_t size = surfels_.size();
-    const std::size_t num_steps = options_.num_steps;
-    shared_scores_.assign(scores_.size(), kUnknownScore);
+    shared_scores_.resize(scores_.size());
     const auto work = [&](std::size_t chunk, std::size_t) {
-        std::vector<float> sums(num_steps);
-        std::vector<float> weights(num_steps);
         for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
-            std::ranges::fill(sums, 0.0F);
-            std::ranges::fill(weights, 0.0F);
+            Scores sums{};
+            Scores weights{};
             const auto add = [&](std::size_t surfel, float weight) {
-                const float* of = scores(surfel);
-                for (std::size_t step = 0; step < num_steps; ++step) {
-                    const float counted = of[step] > kUnknownScore ? weight : 0.0F;
-                    sums[step] += counted * of[step];
-                    weights[step] += counted;
+                Scores of;
+                std::memcpy(of.data(), scores(surfel), sizeof(of));
+                for (std::size_t k = 0; k < of.size(); ++k) {
+                    const FourScores counted =
+                        of[k] > kUnknownScore ? FourScores{} + weight : FourScores{};
+                    sums[k] += counted * of[k];
+                    weights[k] += counted;
                 }
             };
             add(i, 1.0F);
             for (const Surfels::Neighbour& other : surfels_.neighbours(i))
                 add(other.surfel, other.weight);
             constexpr float kLeastWeight = 0.5F;
-            for (std::size_t step = 0; step < num_steps; ++step) {
-                if (weights[step] > kLeastWeight)
-                    shared_scores_[i * num_steps + step] = sums[step] / weights[step];
-            }
+            for (std::size_t k = 0; k < sums.size(); ++k)
+                sums[k] =
+                    weights[k] > kLeastWeight ? sums[k] / weights[k] : FourScores{} + kUnknownScore;
+            std::memcpy(shared_scores_.data() + i * kNumSteps, sums.data(), sizeof(sums));
         }
     };
     executor.parallel_for(num_chunks(size), work);
 }
 
 void InwardSweep::accept() {
-    const std::size_t num_steps = options_.num_steps;
-    const float step_m = options_.most_depth_m / static_cast<float>(num_steps - 1);
-    found_m_.assign(surfels_.size(), 0.0F);
-    weights_.assign(surfels_.size(), 0.0F);
+    const float step_m = options_.most_depth_m / static_cast<float>(kNumSteps - 1);
     for (std::size_t i = 0; i < surfels_.size(); ++i) {
-        const float* of = shared_scores_.data() + i * num_steps;
-        const auto best = static_cast<std::size_t>(std::max_element(of, of + num_steps) - of);
+        const float* of = shared_scores_.data() + i * kNumSteps;
+        const auto best = static_cast<std::size_t>(std::max_element(of, of + kNumSteps) - of);
         if (of[best] > kUnknownScore) ++counts_.num_swept;
-        if (!(of[best] >= options_.least_score) || best + 1 == num_steps) continue;
+        if (!(of[best] >= options_.least_score) || best + 1 == kNumSteps) continue;
         float rival = kUnknownScore;
-        for (std::size_t step = 0; step < num_steps; ++step) {
+        for (std::size_t step = 0; step < kNumSteps; ++step) {
             const std::size_t apart = step > best ? step - best : best - step;
             if (apart >= options_.least_steps_apart) rival = std::max(rival, of[step]);
         }
@@ -176,55 +188,17 @@ void InwardSweep::accept() {
         // a mean over a slope is lower than the scores that it has been made of
         const float score = std::max(of[best], scores(i)[best]);
         constexpr float kLeastWeight = 0.1F;
-        found_m_[i] = (static_cast<float>(best) + between) * step_m;
-        weights_[i] = (score - options_.least_score) / (1.0F - options_.least_score) + kLeastWeight;
+        smooth_.found_m[i] = (static_cast<float>(best) + between) * step_m;
+        smooth_.weights[i] =
+            (score - options_.least_score) / (1.0F - options_.least_score) + kLeastWeight;
         ++counts_.num_accepted;
     }
 }
 
-// Minimises the weighted squares of differences to the accepted depths, to the hull and between
-// neighbours (Gauss-Seidel). Weights of accepted depths fall with the difference that is left: at
-// first only those that are far off, so that the many decide what is an outlier.
-void InwardSweep::solve(int num_rounds, float first_outlier_m) {
-    constexpr float kNarrowing = 0.8F;         // per round
-    constexpr float kMostOfThickness = 0.45F;  // both sides may move
-    float outlier_m = first_outlier_m;
-    for (int round = 0; round < num_rounds; ++round) {
-        outlier_m = std::max(options_.outlier_m, kNarrowing * outlier_m);
-        for (std::size_t i = 0; i < surfels_.size(); ++i) {
-            float sum = 0.0F;
-            float weight = options_.hull_weight;
-            if (is_held_[i] != 0) {
-                weight += options_.held_weight;
-            } else if (weights_[i] > 0.0F) {
-                const float off = (depths_[i] - found_m_[i]) / outlier_m;
-                const float doubt = 1.0F + off * off;
-                const float own = weights_[i] / (doubt * doubt);
-                sum += own * found_m_[i];
-                weight += own;
-            }
-            float neighbours = 0.0F;
-            float neighbour_weight = 0.0F;
-            for (const Surfels::Neighbour& other : surfels_.neighbours(i)) {
-                neighbours += other.weight * depths_[other.surfel];
-                neighbour_weight += other.weight;
-            }
-            if (neighbour_weight > 0.0F) {
-                sum += options_.smoothness * neighbours / neighbour_weight;
-                weight += options_.smoothness;
-            }
-            depths_[i] = std::clamp(sum / weight, 0.0F, kMostOfThickness * surfels_[i].thickness_m);
-        }
-    }
-}
-
-// Of the surfels behind each small part of an outline, holds the one that most likely touches it:
-// it lies least deep, and the cameras agree there already.
-void InwardSweep::hold(std::span<const PictureView> views) {
-    constexpr float kDisagreement_m = 0.01F;  // a score of 0 costs as much as this depth
-    candidates_.clear();
+// Finds out which surfels lie behind which small part of an outline.
+void InwardSweep::find_outlines(std::span<const PictureView> views) {
+    on_outlines_.clear();
     for (std::size_t i = 0; i < surfels_.size(); ++i) {
-        is_held_[i] = 0;
         const std::int32_t owner = surfels_[i].owner;
         if (owner == hull::kNoOwner) continue;
         const auto view = static_cast<std::size_t>(owner);
@@ -232,23 +206,42 @@ void InwardSweep::hold(std::span<const PictureView> views) {
                                      view,
                                      surfels_[i].position_site.cast<double>(),
                                      options_.outline_bin_px);
-        if (!bin) continue;
-        const float score = std::max(shared_scores_[i * options_.num_steps], 0.0F);
-        candidates_.push_back(
-            {*bin, depths_[i] + kDisagreement_m * (1.0F - score), static_cast<std::uint32_t>(i)});
+        if (bin) on_outlines_.push_back({*bin, 0.0F, static_cast<std::uint32_t>(i)});
     }
-    keep_least(candidates_);
-    counts_.num_held = candidates_.size();
-    for (const OutlinePoint& point : candidates_) is_held_[point.index] = 1;
+    std::ranges::sort(on_outlines_, {}, [](const OutlinePoint& point) {
+        return std::pair(point.bin, point.index);
+    });
+}
+
+// Of the surfels behind each part of an outline, holds the one that most likely touches it: it lies
+// least deep, and the cameras agree there already.
+void InwardSweep::hold() {
+    constexpr float kDisagreement_m = 0.01F;  // a score of 0 costs as much as this depth
+    std::ranges::fill(smooth_.is_held, std::uint8_t{0});
+    counts_.num_held = 0;
+    for (auto first = on_outlines_.begin(); first != on_outlines_.end();) {
+        std::uint32_t best = first->index;
+        float least = std::numeric_limits<float>::infinity();
+        const std::uint64_t bin = first->bin;
+        for (; first != on_outlines_.end() && first->bin == bin; ++first) {
+            const float score = std::max(shared_scores_[first->index * kNumSteps], 0.0F);
+            const float cost = smooth_.depths_m[first->index] + kDisagreement_m * (1.0F - score);
+            if (!(cost < least)) continue;
+            least = cost;
+            best = first->index;
+        }
+        smooth_.is_held[best] = 1;
+        ++counts_.num_held;
+    }
 }
 
 void InwardSweep::find(const geometry::TriangleMesh& mesh,
                        std::span<const PictureView> views,
                        Executor& executor) {
-    constexpr int kNumRounds = 14;
+    constexpr int kNumRounds = 9;
     constexpr float kFirstOutlier_m = 0.08F;
     constexpr int kNumHolds = 3;
-    constexpr int kNumRoundsHeld = 6;  // from the solution before
+    constexpr int kNumRoundsHeld = 4;  // from the solution before
     counts_ = {};
     centres_site_.clear();
     rotations_.clear();
@@ -261,34 +254,36 @@ void InwardSweep::find(const geometry::TriangleMesh& mesh,
     look(mesh, views, executor);
     sweep(views, executor);
     share_scores(executor);
+    smooth_.assign(surfels_);
     accept();
-    depths_ = found_m_;
-    is_held_.assign(surfels_.size(), 0);
-    solve(kNumRounds, kFirstOutlier_m);
+    smooth_.depths_m = smooth_.found_m;
+    smooth_.solve(options_.smooth, kNumRounds, kFirstOutlier_m);
+    find_outlines(views);
     for (int i = 0; i < kNumHolds; ++i) {
-        hold(views);
-        solve(kNumRoundsHeld, 2.0F * options_.outlier_m);
+        hold();
+        smooth_.solve(options_.smooth, kNumRoundsHeld, 2.0F * options_.smooth.outlier_m);
     }
-    for (const float depth : depths_)
+    for (const float depth : smooth_.depths_m)
         counts_.mean_depth_m += double{depth} / static_cast<double>(surfels_.size());
 }
 
 Eigen::Vector3f InwardSweep::move_at(const Eigen::Vector3f& point_site,
-                                     const Eigen::Vector3f& normal) const {
+                                     const Eigen::Vector3f& normal,
+                                     NearScratch& scratch) const {
     const float radius = 1.4F * options_.surfels.spacing_m;
     const float radius_sq = radius * radius;
     Eigen::Vector3f move = Eigen::Vector3f::Zero();
     float weight = 0.0F;
-    surfels_.grid().near(point_site, radius, [&](std::uint32_t i) {
-        const Surfel& surfel = surfels_[i];
+    surfels_.near(point_site, radius, scratch);
+    for (const NearSurfel& there : scratch.found) {
+        const Surfel& surfel = surfels_[there.surfel];
         const float cosine = surfel.normal.dot(normal);
-        const float distance_sq = (surfel.position_site - point_site).squaredNorm();
-        if (cosine <= 0.0F || distance_sq > radius_sq) return;
-        const float near = falling_weight(distance_sq / radius_sq);
+        if (cosine <= 0.0F) continue;
+        const float near = falling_weight(there.distance_sq / radius_sq);
         const float own = (0.2F + cosine) * near * near;
-        move -= own * depths_[i] * surfel.normal;
+        move -= own * smooth_.depths_m[there.surfel] * surfel.normal;
         weight += own;
-    });
+    }
     return weight > 0.0F ? Eigen::Vector3f(move / weight)
                          : Eigen::Vector3f(Eigen::Vector3f::Zero());
 }

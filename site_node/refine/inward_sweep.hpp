@@ -7,6 +7,7 @@
 #include "site_node/refine/luma_picture.hpp"
 #include "site_node/refine/outline_bins.hpp"
 #include "site_node/refine/patch_scores.hpp"
+#include "site_node/refine/smooth_depths.hpp"
 #include "site_node/refine/surfels.hpp"
 
 #include <Eigen/Core>
@@ -21,8 +22,7 @@ namespace atrium::refine {
 
 struct InwardSweepOptions {
     SurfelOptions surfels;
-    float most_depth_m = 0.1F;  // how far the surface may move inwards
-    std::size_t num_steps = 17;
+    float most_depth_m = 0.1F;        // how far the surface may move inwards
     float sample_spacing_m = 0.007F;  // of a patch, on the surface
     float least_cosine = 0.35F;  // between the normal and the direction to a camera that counts
 
@@ -32,21 +32,18 @@ struct InwardSweepOptions {
     float least_lead = 0.05F;
     std::size_t least_steps_apart = 3;
 
-    // Weights of the smooth solution, beside accepted depths with at most 1.1.
-    float smoothness = 1.0F;      // differences between neighbours
-    float hull_weight = 0.02F;    // the hull itself, where nothing is known
-    float held_weight = 10.0F;    // the hull, where the person touches it
-    float outlier_m = 0.012F;     // an accepted depth this far off counts a quarter
+    SmoothDepthsOptions smooth;
     double outline_bin_px = 8.0;  // in each such part of an outline the person touches the hull
 };
 
 /// How far the surface of a person lies below the visual hull, from the pictures: where the hull is
 /// the person's surface, the cameras show the same there.
 ///
-/// Surfels of the hull are swept inwards along their normals. At each step a small patch is
-/// compared in up to three unoccluded cameras that face it most (score_depths). A clear and single
-/// best step is accepted. All others follow from a smooth solution over the surface, in which
-/// outliers lose their weight.
+/// Surfels of the hull are swept inwards along their normals. At every second step, those between
+/// for every second surfel, a small patch is compared in up to three unoccluded cameras that face
+/// it most (score_depths). A clear and single best step is accepted, judged together with the
+/// neighbours. All others follow from a smooth solution over the surface, in which outliers lose
+/// their weight (SmoothDepths).
 ///
 /// The silhouettes hold the surface: behind each point of an outline the person touches its viewing
 /// ray somewhere (Furukawa, Ponce, "Carved Visual Hulls for Image-Based Modeling", 2006, "rims").
@@ -56,6 +53,9 @@ struct InwardSweepOptions {
 /// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
 class InwardSweep {
 public:
+    /// Over `most_depth_m`, evenly.
+    static constexpr std::size_t kNumSteps = 16;
+
     explicit InwardSweep(const InwardSweepOptions& options = {}) : options_(options) {}
 
     struct Counts {
@@ -73,10 +73,12 @@ public:
               Executor& executor);
 
     /// By how much a point of the hull moves [m]; `normal` is that of the surface there.
-    Eigen::Vector3f move_at(const Eigen::Vector3f& point_site, const Eigen::Vector3f& normal) const;
+    Eigen::Vector3f move_at(const Eigen::Vector3f& point_site,
+                            const Eigen::Vector3f& normal,
+                            NearScratch& scratch) const;
 
     const Surfels& surfels() const { return surfels_; }
-    float depth_m(std::size_t surfel) const { return depths_[surfel]; }
+    float depth_m(std::size_t surfel) const { return smooth_.depths_m[surfel]; }
     const Counts& counts() const { return counts_; }
 
 private:
@@ -97,9 +99,9 @@ private:
     void sweep(std::span<const PictureView> views, Executor& executor);
     void share_scores(Executor& executor);
     void accept();
-    void solve(int num_rounds, float first_outlier_m);
-    void hold(std::span<const PictureView> views);
-    float* scores(std::size_t surfel) { return scores_.data() + surfel * options_.num_steps; }
+    void find_outlines(std::span<const PictureView> views);
+    void hold();
+    float* scores(std::size_t surfel) { return scores_.data() + surfel * kNumSteps; }
 
     InwardSweepOptions options_;
     Surfels surfels_;
@@ -108,11 +110,8 @@ private:
     std::vector<Camera> cameras_;
     std::vector<float> scores_;         // per surfel and step
     std::vector<float> shared_scores_;  // the same, with those of the neighbours
-    std::vector<float> found_m_;        // per surfel: accepted depth
-    std::vector<float> weights_;        // per surfel: of the accepted depth; 0: none
-    std::vector<std::uint8_t> is_held_;
-    std::vector<float> depths_;
-    std::vector<OutlinePoint> candidates_;
+    SmoothDepths smooth_;
+    std::vector<OutlinePoint> on_outlines_;  // surfels, by their parts of outlines
     Counts counts_;
 };
 

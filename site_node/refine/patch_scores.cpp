@@ -36,6 +36,14 @@ struct Patch {
     std::array<Floats, kNumVectors> values;
 };
 
+// Where the samples of a path's patches lie, from their centres.
+struct Offsets {
+    std::array<Floats, kNumVectors> x;
+    std::array<Floats, kNumVectors> y;
+    float reach_x;
+    float reach_y;
+};
+
 ATRIUM_INLINE float sum_of(const Floats& v) {
     return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
 }
@@ -58,17 +66,27 @@ ATRIUM_INLINE void byte_of(const Words& taps, unsigned shift, Floats& out) {
     out = __builtin_convertvector((Ints)((taps >> shift) & 0xFFU), Floats);
 }
 
+ATRIUM_INLINE void find_offsets(const PatchPath& path, Offsets& out) {
+    for (std::size_t k = 0; k < kNumVectors; ++k) {
+        out.x[k] = path.column_px.x() * kColumns[k] + path.row_px.x() * kRows[k];
+        out.y[k] = path.column_px.y() * kColumns[k] + path.row_px.y() * kRows[k];
+    }
+    out.reach_x = kExtent * (std::abs(path.column_px.x()) + std::abs(path.row_px.x()));
+    out.reach_y = kExtent * (std::abs(path.column_px.y()) + std::abs(path.row_px.y()));
+}
+
 // Samples the patch around `centre`, with mean 0 and length 1. False if it is not wholly inside the
 // silhouette, or has no contrast.
 template <typename Fetch>
-ATRIUM_INLINE bool sample(
-    const PatchPath& path, float centre_x, float centre_y, const Fetch& fetch, Patch& out) {
-    const LumaPicture& picture = *path.picture;
-    const float reach_x = kExtent * (std::abs(path.column_px.x()) + std::abs(path.row_px.x()));
-    const float reach_y = kExtent * (std::abs(path.column_px.y()) + std::abs(path.row_px.y()));
-    if (!(centre_x - reach_x >= 0.0F && centre_y - reach_y >= 0.0F &&
-          centre_x + reach_x < static_cast<float>(picture.width - 1) &&
-          centre_y + reach_y < static_cast<float>(picture.height - 1)))
+ATRIUM_INLINE bool sample(const LumaPicture& picture,
+                          const Offsets& offsets,
+                          float centre_x,
+                          float centre_y,
+                          const Fetch& fetch,
+                          Patch& out) {
+    if (!(centre_x - offsets.reach_x >= 0.0F && centre_y - offsets.reach_y >= 0.0F &&
+          centre_x + offsets.reach_x < static_cast<float>(picture.width - 1) &&
+          centre_y + offsets.reach_y < static_cast<float>(picture.height - 1)))
         return false;
     const auto middle = static_cast<std::size_t>(static_cast<int>(centre_y + 0.5F) * picture.width +
                                                  static_cast<int>(centre_x + 0.5F));
@@ -76,8 +94,8 @@ ATRIUM_INLINE bool sample(
     Floats total{};
     for (int i = 0; i < kNumVectors; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        const Floats x = centre_x + (path.column_px.x() * kColumns[k] + path.row_px.x() * kRows[k]);
-        const Floats y = centre_y + (path.column_px.y() * kColumns[k] + path.row_px.y() * kRows[k]);
+        const Floats x = centre_x + offsets.x[k];
+        const Floats y = centre_y + offsets.y[k];
         const Ints column = __builtin_convertvector(x, Ints);
         const Ints row = __builtin_convertvector(y, Ints);
         const Floats right = x - __builtin_convertvector(column, Floats);
@@ -124,22 +142,25 @@ ATRIUM_INLINE float agreement(const std::array<Patch, kMostPaths>& patches, std:
 
 template <typename Fetch>
 ATRIUM_INLINE void score(std::span<const PatchPath> paths,
-                         std::size_t num_steps,
+                         const ScoredSteps& steps,
                          const Fetch& fetch,
                          std::span<float> scores) {
-    for (std::size_t step = 0; step < scores.size(); ++step) {
+    std::array<Offsets, kMostPaths> offsets;
+    for (std::size_t k = 0; k < paths.size(); ++k) find_offsets(paths[k], offsets[k]);
+    for (std::size_t step = steps.first; step < scores.size(); step += steps.stride) {
         const float share =
-            num_steps < 2 ? 0.0F : static_cast<float>(step) / static_cast<float>(num_steps - 1);
+            steps.num < 2 ? 0.0F : static_cast<float>(step) / static_cast<float>(steps.num - 1);
         std::array<Patch, kMostPaths> patches;
         std::size_t num = 0;
-        for (const PatchPath& path : paths) {
+        for (std::size_t k = 0; k < paths.size(); ++k) {
+            const PatchPath& path = paths[k];
             // the projection of even steps on a line
             const float last = share * path.last_depth_m;
             const float depth = (1.0F - share) * path.first_depth_m + last;
             const float weight = last / depth;
             const float x = path.first_px.x() + weight * (path.last_px.x() - path.first_px.x());
             const float y = path.first_px.y() + weight * (path.last_px.y() - path.first_px.y());
-            if (sample(path, x, y, fetch, patches[num])) ++num;
+            if (sample(*path.picture, offsets[k], x, y, fetch, patches[num])) ++num;
         }
         scores[step] = agreement(patches, num);
     }
@@ -147,23 +168,24 @@ ATRIUM_INLINE void score(std::span<const PatchPath> paths,
 
 #ifdef ATRIUM_AVX2
 ATRIUM_AVX2 void score_avx2(std::span<const PatchPath> paths,
-                            std::size_t num_steps,
+                            const ScoredSteps& steps,
                             std::span<float> scores) {
-    score(paths, num_steps, Avx2Fetch{}, scores);
+    score(paths, steps, Avx2Fetch{}, scores);
 }
 #endif
 
 }  // namespace
 
 void score_depths(std::span<const PatchPath> paths,
-                  std::size_t num_steps,
+                  const ScoredSteps& steps,
                   std::span<float> scores,
                   [[maybe_unused]] image::RowCode code) {
-    assert(paths.size() >= 2 && paths.size() <= kMostPaths && scores.size() <= num_steps);
+    assert(paths.size() >= 2 && paths.size() <= kMostPaths && scores.size() <= steps.num &&
+           steps.stride > 0);
 #ifdef ATRIUM_AVX2
-    if (code == image::RowCode::kAvx2) return score_avx2(paths, num_steps, scores);
+    if (code == image::RowCode::kAvx2) return score_avx2(paths, steps, scores);
 #endif
-    score(paths, num_steps, BaselineFetch{}, scores);
+    score(paths, steps, BaselineFetch{}, scores);
 }
 
 }  // namespace atrium::refine

@@ -24,14 +24,23 @@ struct PatchPath {
     Eigen::Vector2f row_px = Eigen::Vector2f::Zero();
 };
 
-/// For the first `scores.size()` of `num_steps` even steps along the line: how well the cameras
-/// agree in what they show there. Patches have 5 x 5 samples less the middle one. Two are compared
-/// by zero-mean normalised cross-correlation; of up to three pairs the better two count, so one
-/// camera may be wrong. Writes values in [-1, 1] to `scores`, kUnknownScore where less than two
-/// cameras show the whole patch inside their silhouettes and with contrast. Two or three paths. All
-/// instruction sets give the same bits.
+/// Of `num` even steps along the line from the first place to the last: every `stride`-th from
+/// `first` on.
+struct ScoredSteps {
+    std::size_t num = 1;
+    std::size_t first = 0;
+    std::size_t stride = 1;
+};
+
+/// How well the cameras agree in what they show at these steps. Writes to `scores`, which has one
+/// element per step of the line, or fewer: then the last steps are left out.
+///
+/// Patches have 5 x 5 samples less the middle one. Two are compared by zero-mean normalised
+/// cross-correlation; of up to three pairs the better two count, so one camera may be wrong. Values
+/// are in [-1, 1], kUnknownScore where less than two cameras show the whole patch inside their
+/// silhouettes and with contrast. Two or three paths. All instruction sets give the same bits.
 void score_depths(std::span<const PatchPath> paths,
-                  std::size_t num_steps,
+                  const ScoredSteps& steps,
                   std::span<float> scores,
                   image::RowCode code = image::best_row_code());
 

@@ -36,10 +36,10 @@ void PhotoRefinement::find_moves(const geometry::TriangleMesh& mesh, Executor& e
         for (const std::uint32_t v : {a, b, c}) normals_[v] += doubled;
     }
     moves_.resize(size);
-    const auto work = [&](std::size_t chunk, std::size_t) {
+    const auto work = [&](std::size_t chunk, std::size_t worker) {
         for (std::size_t v = chunk * kChunk; v < std::min(size, (chunk + 1) * kChunk); ++v) {
             normals_[v].normalize();
-            moves_[v] = sweep_.move_at(mesh.vertices[v].cast<float>(), normals_[v]);
+            moves_[v] = sweep_.move_at(mesh.vertices[v].cast<float>(), normals_[v], near_[worker]);
         }
     };
     executor.parallel_for(num_chunks(size), work);
@@ -81,14 +81,14 @@ bool PhotoRefinement::split_bent_edges(geometry::TriangleMesh& mesh,
                 long_edges_.push_back({{a, b, 0}});
         }
     }
-    const auto look = [&](std::size_t chunk, std::size_t) {
+    const auto look = [&](std::size_t chunk, std::size_t worker) {
         const std::size_t end = std::min(long_edges_.size(), (chunk + 1) * kChunk);
         for (std::size_t i = chunk * kChunk; i < end; ++i) {
             LongEdge& at = long_edges_[i];
             const auto [a, b, middle] = at.edge;
             at.normal = (normals_[a] + normals_[b]).normalized();
             const Eigen::Vector3d place = 0.5 * (mesh.vertices[a] + mesh.vertices[b]);
-            at.move = sweep_.move_at(place.cast<float>(), at.normal);
+            at.move = sweep_.move_at(place.cast<float>(), at.normal, near_[worker]);
             at.bends = (at.move - 0.5F * (moves_[a] + moves_[b])).norm() > options_.least_bend_m;
         }
     };
@@ -138,6 +138,7 @@ bool PhotoRefinement::refine(geometry::TriangleMesh& mesh,
             return view.picture.y.data != nullptr && view.mask != nullptr && !view.subject.empty();
         }));
     if (num_pictures < kFewestPictures || !geometry::inspect(mesh).manifold) return false;
+    near_.resize(std::max(near_.size(), executor.num_workers()));
     sweep_.find(mesh, views, executor);
     find_moves(mesh, executor);
     hold_outlines(mesh, views);

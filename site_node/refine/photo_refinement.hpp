@@ -65,6 +65,7 @@ private:
     InwardSweep sweep_;
     std::vector<Eigen::Vector3f> normals_;  // per vertex
     std::vector<Eigen::Vector3f> moves_;    // per vertex
+    std::vector<NearScratch> near_;         // per worker
     std::vector<OutlinePoint> on_outlines_;
     std::vector<LongEdge> long_edges_;
     std::vector<SplitEdge> splits_;

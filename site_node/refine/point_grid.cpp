@@ -4,19 +4,22 @@ namespace atrium::refine {
 
 void PointGrid::assign(std::span<const Eigen::Vector3f> points, float cell_m) {
     constexpr double kMostCells = 4e6;
+    Eigen::Vector3f low = Eigen::Vector3f::Zero();
     Eigen::Vector3f high = Eigen::Vector3f::Zero();
-    origin_.setZero();
-    if (!points.empty()) origin_ = high = points[0];
+    if (!points.empty()) low = high = points[0];
     for (const Eigen::Vector3f& point : points) {
-        origin_ = origin_.cwiseMin(point);
+        low = low.cwiseMin(point);
         high = high.cwiseMax(point);
     }
-    const Eigen::Vector3d extent = (high - origin_).cast<double>();
+    origin_.head<3>() = low;
+    const Eigen::Vector3d extent = (high - low).cast<double>();
     double cell = cell_m;
     while (((extent / cell).array() + 1.0).prod() > kMostCells) cell *= 2.0;
     cells_per_m_ = static_cast<float>(1.0 / cell);
     for (int axis = 0; axis < 3; ++axis)
-        size_[static_cast<std::size_t>(axis)] = static_cast<int>(extent[axis] / cell) + 1;
+        last_[axis] = static_cast<float>(size_[static_cast<std::size_t>(axis)] =
+                                             static_cast<int>(extent[axis] / cell) + 1) -
+                      1.0F;
     const std::size_t num_cells = static_cast<std::size_t>(size_[0]) *
                                   static_cast<std::size_t>(size_[1]) *
                                   static_cast<std::size_t>(size_[2]);

@@ -11,18 +11,26 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-std::optional<std::uint32_t> middle_of(std::uint32_t a,
-                                       std::uint32_t b,
-                                       std::span<const SplitEdge> edges) {
-    const auto [low, high] = std::minmax(a, b);
-    const auto before = [](const SplitEdge& edge,
-                           const std::pair<std::uint32_t, std::uint32_t>& ends) {
-        return std::pair(edge.low, edge.high) < ends;
-    };
-    const auto found = std::lower_bound(edges.begin(), edges.end(), std::pair(low, high), before);
-    if (found == edges.end() || found->low != low || found->high != high) return std::nullopt;
-    return found->middle;
-}
+// Finds the middles of edges.
+class Middles {
+public:
+    Middles(std::span<const SplitEdge> edges, std::size_t num_vertices)
+        : edges_(edges), begins_(num_vertices + 1, 0) {
+        for (const SplitEdge& edge : edges) ++begins_[edge.low + 1];
+        for (std::size_t v = 0; v < num_vertices; ++v) begins_[v + 1] += begins_[v];
+    }
+
+    std::optional<std::uint32_t> of(std::uint32_t a, std::uint32_t b) const {
+        const auto [low, high] = std::minmax(a, b);
+        for (std::uint32_t i = begins_[low]; i < begins_[low + 1]; ++i)
+            if (edges_[i].high == high) return edges_[i].middle;
+        return std::nullopt;
+    }
+
+private:
+    std::span<const SplitEdge> edges_;
+    std::vector<std::uint32_t> begins_;  // per vertex: its first edge as the lower end; one more
+};
 
 }  // namespace
 
@@ -31,6 +39,7 @@ void split_edges(std::span<const SplitEdge> edges, geometry::TriangleMesh& mesh)
     const auto length_sq = [&](std::uint32_t a, std::uint32_t b) {
         return (mesh.vertices[a] - mesh.vertices[b]).squaredNorm();
     };
+    const Middles all(edges, mesh.vertices.size());
     const std::size_t num_before = mesh.triangles.size();
     for (std::size_t i = 0; i < num_before; ++i) {
         const Triangle t = mesh.triangles[i];
@@ -38,7 +47,7 @@ void split_edges(std::span<const SplitEdge> edges, geometry::TriangleMesh& mesh)
             middles;  // of the edge from corner k to the next
         std::size_t num = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            middles[k] = middle_of(t[k], t[(k + 1) % 3], edges);
+            middles[k] = all.of(t[k], t[(k + 1) % 3]);
             num += middles[k] ? 1 : 0;
         }
         if (num == 0) continue;

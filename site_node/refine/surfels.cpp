@@ -113,6 +113,33 @@ void Surfels::add_samples(const geometry::TriangleMesh& mesh,
     }
 }
 
+// Those that are near each other in space then are so in memory.
+void Surfels::sort_by_place(float cell_m) {
+    grid_.assign(points_, cell_m);
+    surfels_.clear();
+    for (const std::uint32_t i : grid_.order()) surfels_.push_back(unsorted_[i]);
+    rows_.positions_site.resize(surfels_.size() + SurfelRows::kMargin);
+    rows_.normals.resize(surfels_.size() + SurfelRows::kMargin);
+    for (std::size_t i = 0; i < surfels_.size(); ++i) {
+        image::set(rows_.positions_site, i, surfels_[i].position_site);
+        image::set(rows_.normals, i, surfels_[i].normal);
+    }
+}
+
+void Surfels::find_runs(const Eigen::Vector3f& centre_site,
+                        float radius_m,
+                        std::vector<SurfelRun>& runs) const {
+    runs.clear();
+    grid_.near(centre_site, radius_m, [&](std::uint32_t begin, std::uint32_t end) {
+        runs.push_back({begin, end});
+    });
+}
+
+void Surfels::near(const Eigen::Vector3f& centre_site, float radius_m, NearScratch& scratch) const {
+    find_runs(centre_site, radius_m, scratch.runs);
+    find_near(rows_, scratch.runs, centre_site, radius_m, scratch.found);
+}
+
 // Lists who is near, smooths the normals over them, and keeps those of a similar normal.
 void Surfels::join_neighbours(const SurfelOptions& options, Executor& executor) {
     const std::size_t size = surfels_.size();
@@ -120,28 +147,34 @@ void Surfels::join_neighbours(const SurfelOptions& options, Executor& executor) 
     smoothed_.resize(size);
     begins_.resize(size + 1);
     found_.resize(std::max(found_.size(), num_chunks(size)));
-    const auto look = [&](std::size_t chunk, std::size_t) {
+    near_.resize(std::max(near_.size(), executor.num_workers()));
+    const auto look = [&](std::size_t chunk, std::size_t worker) {
+        NearScratch& scratch = near_[worker];
         std::vector<Neighbour>& found = found_[chunk];
         found.clear();
         for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
             const Surfel& surfel = surfels_[i];
             const std::size_t num_before = found.size();
             Eigen::Vector3f sum = surfel.normal;
-            grid_.near(surfel.position_site, options.neighbourhood_m, [&](std::uint32_t other) {
+            near(surfel.position_site, options.neighbourhood_m, scratch);
+            for (const NearSurfel& other : scratch.found) {
                 constexpr float kLeastCosine = 0.2F;
-                const float distance_sq = (points_[other] - surfel.position_site).squaredNorm();
-                if (distance_sq > radius_sq || other == i) return;
-                const float cosine = surfel.normal.dot(surfels_[other].normal);
-                const float weight = falling_weight(distance_sq / radius_sq);
-                if (cosine > kLeastCosine) sum += cosine * weight * surfels_[other].normal;
-                found.push_back({other, weight});
-            });
+                if (other.surfel == i) continue;
+                const Eigen::Vector3f& normal = surfels_[other.surfel].normal;
+                const float cosine = surfel.normal.dot(normal);
+                const float weight = falling_weight(other.distance_sq / radius_sq);
+                if (cosine > kLeastCosine) sum += cosine * weight * normal;
+                found.push_back({other.surfel, weight});
+            }
             smoothed_[i] = sum.normalized();
             begins_[i + 1] = static_cast<std::uint32_t>(found.size() - num_before);
         }
     };
     executor.parallel_for(num_chunks(size), look);
-    for (std::size_t i = 0; i < size; ++i) surfels_[i].normal = smoothed_[i];
+    for (std::size_t i = 0; i < size; ++i) {
+        surfels_[i].normal = smoothed_[i];
+        image::set(rows_.normals, i, smoothed_[i]);
+    }
 
     neighbours_.clear();
     begins_[0] = 0;
@@ -160,28 +193,22 @@ void Surfels::join_neighbours(const SurfelOptions& options, Executor& executor) 
     }
 }
 
-// Looks for surfels of the opposite direction along the inward normal.
+// Looks for surfels of the opposite direction along the inward normal, piece by piece.
 void Surfels::find_thickness(const SurfelOptions& options, Executor& executor) {
     const std::size_t size = surfels_.size();
     const float reach = 0.8F * options.spacing_m;  // sideways
-    const auto find = [&](std::size_t chunk, std::size_t) {
+    const auto find = [&](std::size_t chunk, std::size_t worker) {
+        std::vector<SurfelRun>& runs = near_[worker].runs;
         for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
             Surfel& surfel = surfels_[i];
+            const InwardLine line{surfel.position_site, surfel.normal, reach};
             surfel.thickness_m = options.most_thickness_m;
-            for (float depth = options.spacing_m; depth < options.most_thickness_m;
+            for (float depth = options.spacing_m;
+                 depth < options.most_thickness_m && surfel.thickness_m == options.most_thickness_m;
                  depth += 2.0F * reach) {
-                const Eigen::Vector3f at = surfel.position_site - depth * surfel.normal;
-                grid_.near(at, 1.5F * reach, [&](std::uint32_t other) {
-                    constexpr float kOppositeCosine = -0.2F;
-                    if (surfels_[other].normal.dot(surfel.normal) > kOppositeCosine) return;
-                    const Eigen::Vector3f to = surfel.position_site - points_[other];
-                    const float inwards = to.dot(surfel.normal);
-                    if (inwards <= 0.0F ||
-                        (to - inwards * surfel.normal).squaredNorm() > reach * reach)
-                        return;
-                    surfel.thickness_m = std::min(surfel.thickness_m, inwards);
-                });
-                if (surfel.thickness_m < options.most_thickness_m) break;
+                find_runs(surfel.position_site - depth * surfel.normal, 1.5F * reach, runs);
+                surfel.thickness_m =
+                    distance_to_opposite(rows_, runs, line, options.most_thickness_m);
             }
         }
     };
@@ -193,16 +220,16 @@ void Surfels::sample(const geometry::TriangleMesh& mesh,
                      const SurfelOptions& options,
                      Executor& executor) {
     add_samples(mesh, centres_site, options.spacing_m);
-    surfels_.clear();
+    unsorted_.clear();
     points_.clear();
-    const float least_area = 0.1F * options.spacing_m * options.spacing_m;
+    const float least_area = 0.25F * options.spacing_m * options.spacing_m;
     for (const Sum& sum : sums_) {
         const float length = sum.normal.norm();
         if (sum.area_m2 < least_area || !(length > 0.0F)) continue;
-        surfels_.push_back({sum.position / sum.area_m2, sum.normal / length, sum.owner, 0.0F});
-        points_.push_back(surfels_.back().position_site);
+        unsorted_.push_back({sum.position / sum.area_m2, sum.normal / length, sum.owner, 0.0F});
+        points_.push_back(unsorted_.back().position_site);
     }
-    grid_.assign(points_, options.neighbourhood_m);
+    sort_by_place(options.neighbourhood_m);
     join_neighbours(options, executor);
     find_thickness(options, executor);
 }

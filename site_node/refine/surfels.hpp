@@ -4,6 +4,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/hull/face_owner.hpp"
 #include "site_node/refine/point_grid.hpp"
+#include "site_node/refine/surfel_rows.hpp"
 
 #include <Eigen/Core>
 
@@ -49,7 +50,8 @@ public:
     std::span<const Neighbour> neighbours(std::size_t i) const {
         return {neighbours_.data() + begins_[i], begins_[i + 1] - begins_[i]};
     }
-    const PointGrid& grid() const { return grid_; }
+    /// Finds surfels near any point; see `find_near`.
+    void near(const Eigen::Vector3f& centre_site, float radius_m, NearScratch& scratch) const;
     /// Per triangle of the mesh: the view whose outline made it, or hull::kNoOwner.
     std::span<const std::int32_t> face_owners() const { return face_owners_; }
 
@@ -74,19 +76,26 @@ private:
                      float spacing_m);
     Sum& sum_of(std::uint64_t key);
     void grow();
+    void sort_by_place(float cell_m);
+    void find_runs(const Eigen::Vector3f& centre_site,
+                   float radius_m,
+                   std::vector<SurfelRun>& runs) const;
     void join_neighbours(const SurfelOptions& options, Executor& executor);
     void find_thickness(const SurfelOptions& options, Executor& executor);
 
     std::vector<Slot> slots_;  // hash table with linear probing; its size is a power of two
     std::vector<Sum> sums_;
     std::vector<std::int32_t> face_owners_;
-    std::vector<Surfel> surfels_;
-    std::vector<Eigen::Vector3f> points_;
-    std::vector<Eigen::Vector3f> smoothed_;
+    std::vector<Surfel> unsorted_;
+    std::vector<Eigen::Vector3f> points_;  // of `unsorted_`
     PointGrid grid_;
+    std::vector<Surfel> surfels_;  // in the order of the grid
+    SurfelRows rows_;
+    std::vector<Eigen::Vector3f> smoothed_;
     std::vector<std::uint32_t> begins_{0};  // per surfel, and one more: first in `neighbours_`
     std::vector<Neighbour> neighbours_;
     std::vector<std::vector<Neighbour>> found_;  // per chunk
+    std::vector<NearScratch> near_;              // per worker
 };
 
 /// Falls smoothly from 1 to 0 while `share`, a squared distance over that of a radius, rises to 1.

@@ -58,7 +58,7 @@ TEST(PatchScores, AreBestWhereThePicturesAgree) {
         const LumaPicture second = picture(1, where - 8.0);
         std::array<float, kNumSteps> scores{};
         const std::array<PatchPath, 2> paths{path(first, 30.0F, 30.0F), path(second, 22.0F, 38.0F)};
-        score_depths(paths, kNumSteps, scores);
+        score_depths(paths, {.num = kNumSteps}, scores);
         const auto best = std::max_element(scores.begin(), scores.end()) - scores.begin();
         EXPECT_EQ(best, static_cast<std::ptrdiff_t>(where));
         EXPECT_GT(scores[static_cast<std::size_t>(best)], 0.98F);
@@ -72,7 +72,7 @@ TEST(PatchScores, OutvoteOneCameraThatSeesSomethingElse) {
     const LumaPicture other = picture(77, 0.0);
     float score = 0.0F;
     const auto score_of = [&](const std::vector<PatchPath>& paths) {
-        score_depths(paths, 1, {&score, 1});
+        score_depths(paths, {}, {&score, 1});
         return score;
     };
     const PatchPath a = path(first, 30, 30), b = path(second, 30, 30), c = path(other, 30, 30);
@@ -88,14 +88,14 @@ TEST(PatchScores, AreUnknownOutsideAndWithoutContrast) {
     LumaPicture first = picture(3, 0.0);
     const LumaPicture grey = picture(3, 0.0, false);
     float score = 0.0F;
-    score_depths(std::array{path(first, 30, 30), path(grey, 30, 30)}, 1, {&score, 1});
+    score_depths(std::array{path(first, 30, 30), path(grey, 30, 30)}, {}, {&score, 1});
     EXPECT_EQ(score, kUnknownScore);
     for (const float beside : {-5.0F, 1.0F, 57.5F, 1e9F, std::nanf("")}) {
-        score_depths(std::array{path(first, 30, 30), path(first, beside, beside)}, 1, {&score, 1});
+        score_depths(std::array{path(first, 30, 30), path(first, beside, beside)}, {}, {&score, 1});
         EXPECT_EQ(score, kUnknownScore) << beside;
     }
     first.inside[30 * kSize + 30] = 0;
-    score_depths(std::array{path(first, 30, 30), path(first, 31, 31)}, 1, {&score, 1});
+    score_depths(std::array{path(first, 30, 30), path(first, 31, 31)}, {}, {&score, 1});
     EXPECT_EQ(score, kUnknownScore);
 }
 
@@ -122,8 +122,8 @@ TEST(PatchScores, AreTheSameForAllInstructionSets) {
             paths.push_back(at);
         }
         std::array<float, 17> baseline{}, fast{};
-        score_depths(paths, baseline.size(), baseline, image::RowCode::kBaseline);
-        score_depths(paths, fast.size(), fast, image::RowCode::kAvx2);
+        score_depths(paths, {.num = baseline.size()}, baseline, image::RowCode::kBaseline);
+        score_depths(paths, {.num = fast.size()}, fast, image::RowCode::kAvx2);
         ASSERT_EQ(baseline, fast) << trial;
     }
 }

@@ -139,7 +139,10 @@ TEST(PointGrid, FindsAllPointsWithinTheRadius) {
         for (int i = 0; i < 40; ++i) {
             const Eigen::Vector3f centre = test::random_in_cube(random, 1.2 * extent).cast<float>();
             std::vector<int> visits(points.size(), 0);
-            grid.near(centre, radius, [&](std::uint32_t k) { ++visits[k]; });
+            grid.near(centre, radius, [&](std::uint32_t begin, std::uint32_t end) {
+                for (std::uint32_t place = begin; place < end; ++place)
+                    ++visits[grid.order()[place]];
+            });
             for (std::size_t k = 0; k < points.size(); ++k) {
                 EXPECT_LE(visits[k], 1);
                 if ((points[k] - centre).norm() <= radius) {
