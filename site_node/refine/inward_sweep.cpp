@@ -238,10 +238,10 @@ void InwardSweep::hold() {
 void InwardSweep::find(const geometry::TriangleMesh& mesh,
                        std::span<const PictureView> views,
                        Executor& executor) {
-    constexpr int kNumRounds = 9;
+    constexpr int kNumRounds = 8;
     constexpr float kFirstOutlier_m = 0.08F;
     constexpr int kNumHolds = 3;
-    constexpr int kNumRoundsHeld = 4;  // from the solution before
+    constexpr int kNumRoundsHeld = 3;  // from the solution before
     counts_ = {};
     centres_site_.clear();
     rotations_.clear();

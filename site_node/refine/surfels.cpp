@@ -74,7 +74,7 @@ void Surfels::add_samples(const geometry::TriangleMesh& mesh,
             if (length > longest) apex = k;
             longest = std::max(longest, length);
         }
-        const double half = 0.5 * double{spacing_m};
+        const double half = 0.7 * double{spacing_m};
         const int num_along = static_cast<int>(longest / half) + 1;
         const int num_across = static_cast<int>(doubled_area / longest / half) + 1;
         const float area = static_cast<float>(0.5 * doubled_area / num_along / num_across);
