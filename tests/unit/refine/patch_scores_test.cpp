@@ -99,6 +99,19 @@ TEST(PatchScores, AreUnknownOutsideAndWithoutContrast) {
     EXPECT_EQ(score, kUnknownScore);
 }
 
+TEST(PatchScores, AreWrittenForTheStepsAskedForOnly) {
+    const LumaPicture first = picture(1, 0.0);
+    const LumaPicture second = picture(1, 1.0);
+    const std::array<PatchPath, 2> paths{path(first, 30.0F, 30.0F), path(second, 22.0F, 38.0F)};
+    constexpr float kUntouched = 7.0F;
+    std::array<float, 16> all{}, some{};
+    some.fill(kUntouched);
+    score_depths(paths, {.num = 16}, all);
+    score_depths(paths, {.num = 16, .first = 1, .stride = 2}, std::span(some).first(12));
+    for (std::size_t step = 0; step < some.size(); ++step)
+        EXPECT_EQ(some[step], step % 2 == 1 && step < 12 ? all[step] : kUntouched) << step;
+}
+
 TEST(PatchScores, AreTheSameForAllInstructionSets) {
     if (image::best_row_code() != image::RowCode::kAvx2) GTEST_SKIP() << test::skip::kNoAvx2;
     test::Random random(4);
