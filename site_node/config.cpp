@@ -125,9 +125,9 @@ void declare_hull(HullStageOptions& hull, config::OptionSet& set) {
     set.add("hull.refine",
             hull.refine,
             "of the hull: photo: move it inwards to where the pictures agree; round: round its "
-            "corners, where it lies outside of every smooth body with the same silhouettes; off: "
-            "leave it exact",
-            {"photo", "round", "off"});
+            "corners, where it lies outside of every smooth body with the same silhouettes; "
+            "round_photo: first round, then photo; off: leave it exact",
+            {"photo", "round", "round_photo", "off"});
     set.add("hull.min_component_l",
             hull.min_component_l,
             "components smaller than this are dropped, unless phantoms are kept [l]",
@@ -354,10 +354,12 @@ Expected<void> check(const SiteNodeConfig& config) {
             "--record: a site on several hosts is not recorded: each host has the pictures of its "
             "own cameras only");
     }
-    if (config.pipeline.hull.refine == "photo" && !config.hosts.empty()) {
+    if (config.pipeline.hull.refine.ends_with("photo") && !config.hosts.empty()) {
         return wrong(
-            "hull.refine: a site on several hosts cannot use photo: the hulls are computed without "
-            "the pictures, which stay on the hosts of the cameras; use round or off");
+            fmt::format("hull.refine: a site on several hosts cannot use {}: the hulls are "
+                        "computed without the pictures, which stay on the hosts of the cameras; "
+                        "use round or off",
+                        config.pipeline.hull.refine));
     }
     if (config.capture.min_cameras == 1) {
         return wrong(

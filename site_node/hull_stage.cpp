@@ -143,8 +143,8 @@ Expected<HullStage> HullStage::create(std::span<const geometry::CalibratedCamera
     stage.are_bounds_optional_ = options.bounds && !options.partial_views;
     stage.options_.min_views = options.min_views;
     stage.options_.keep_phantoms = options.keep_phantoms;
-    if (options.refine == "round") stage.refinement_ = Refinement::kRound;
-    if (options.refine == "photo") stage.refinement_ = Refinement::kPhoto;
+    stage.rounds_corners_ = options.refine == "round" || options.refine == "round_photo";
+    stage.moves_to_pictures_ = options.refine == "photo" || options.refine == "round_photo";
     stage.options_.min_component_volume_m3 = options.min_component_l / kLitresPerM3;
     stage.min_delivered_ = std::max(kFewestViews, options.min_views);
     stage.views_.resize(cameras.size());
@@ -246,8 +246,8 @@ void HullStage::compute_within_bounds(Executor& executor, hull::VisualHull& hull
 }
 
 void HullStage::refine(geometry::TriangleMesh& mesh, Executor& executor) {
-    if (refinement_ == Refinement::kRound) rounding_.round(mesh, refined_views_);
-    if (refinement_ == Refinement::kPhoto) photo_.refine(mesh, refined_pictures_, executor);
+    if (rounds_corners_) rounding_.round(mesh, refined_views_);
+    if (moves_to_pictures_) photo_.refine(mesh, refined_pictures_, executor);
 }
 
 // Each mesh with the views of its hull. Those of `pointers_` are views of `views_`.
@@ -305,7 +305,7 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
     } else {
         hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
     }
-    if (refinement_ != Refinement::kOff && hull.status == hull::HullStatus::kOk)
+    if ((rounds_corners_ || moves_to_pictures_) && hull.status == hull::HullStatus::kOk)
         refine(hull, pictures, executor);
 }
 

@@ -37,7 +37,8 @@ struct HullStageOptions {
     bool keep_phantoms = false;
     double min_component_l = 0.005;  // [l]
     /// "photo": the surface moves to where the pictures agree (PhotoRefinement); "round": corners
-    /// move to where a smooth body would be (CornerRounding); "off": exact hull.
+    /// move to where a smooth body would be (CornerRounding); "round_photo": first the corners,
+    /// then the surface; "off": exact hull.
     std::string refine = "off";
     /// False: nobody is outside a picture, and its border cuts the hull. True: space outside the
     /// pictures is unknown; needs bounds, here or in the rig.
@@ -84,14 +85,14 @@ public:
     /// away. Status kTooFewViews if fewer than two cameras, or fewer than `min_views`, delivered.
     /// With regions, a region with too few cameras is skipped and counted as failed.
     ///
-    /// `pictures`, for "photo": one per camera, empty where there is none. Less than two leave the
-    /// exact hull.
+    /// `pictures`, if it `uses_pictures`: one per camera, empty where there is none. Less than two
+    /// move nothing.
     void compute(std::span<const std::uint8_t> delivered,
                  std::span<const refine::PictureView> pictures,
                  Executor& executor,
                  hull::VisualHull& hull);
 
-    bool uses_pictures() const { return refinement_ == Refinement::kPhoto; }
+    bool uses_pictures() const { return moves_to_pictures_; }
 
     const std::vector<hull::Region>& regions() const { return regions_; }
 
@@ -101,7 +102,6 @@ public:
 private:
     HullStage() = default;
     void compute_within_bounds(Executor& executor, hull::VisualHull& hull);
-    enum class Refinement : std::uint8_t { kOff, kRound, kPhoto };
     void refine(hull::VisualHull& hull,
                 std::span<const refine::PictureView> pictures,
                 Executor& executor);
@@ -121,7 +121,8 @@ private:
     std::vector<const hull::SilhouetteView*> pointers_;
     hull::HullScratch hull_scratch_;
     hull::RegionScratch region_scratch_;
-    Refinement refinement_ = Refinement::kOff;
+    bool rounds_corners_ = false;
+    bool moves_to_pictures_ = false;
     hull::CornerRounding rounding_;
     refine::PhotoRefinement photo_;
     // of the mesh that is refined

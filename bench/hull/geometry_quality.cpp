@@ -140,24 +140,29 @@ void measure(const std::string& look, const std::string& motion, const Options& 
         geometry::TriangleMesh rounded = hull.mesh;
         const auto rounding_start = std::chrono::steady_clock::now();
         rounding.round(rounded, pointers);
+        const double rounded_ms = hull_ms + ms_since(rounding_start);
         print({look,
                motion,
                time_s,
                "rounded",
                rounded.triangles.size(),
-               hull_ms + ms_since(rounding_start),
+               rounded_ms,
                test::compare_solids(truth, rounded)});
-        geometry::TriangleMesh refined = hull.mesh;
-        SerialExecutor executor;
-        const auto refining_start = std::chrono::steady_clock::now();
-        photo.refine(refined, seen, executor);
-        print({look,
-               motion,
-               time_s,
-               "photo",
-               refined.triangles.size(),
-               hull_ms + ms_since(refining_start),
-               test::compare_solids(truth, refined)});
+        const auto refine = [&](const char* shape, geometry::TriangleMesh mesh, double before_ms) {
+            SerialExecutor executor;
+            const auto refining_start = std::chrono::steady_clock::now();
+            photo.refine(mesh, seen, executor);
+            const double ms = before_ms + ms_since(refining_start);
+            print({look,
+                   motion,
+                   time_s,
+                   shape,
+                   mesh.triangles.size(),
+                   ms,
+                   test::compare_solids(truth, mesh)});
+        };
+        refine("photo", hull.mesh, hull_ms);
+        refine("round_photo", rounded, rounded_ms);
     }
 }
 

@@ -361,7 +361,7 @@ int run(int argc, char** argv) {
     set.add("refine",
             options.refine,
             "of the hull, as hull.refine of a site",
-            {"off", "round", "photo"});
+            {"off", "round", "photo", "round_photo"});
     set.add("only", options.only, "scenes whose names begin so: ring20, room, orbit, screen");
     set.add("pictures", options.pictures, "folder for pictures side by side: real, viewer, others");
     set.add("orbit-steps",

@@ -11,7 +11,7 @@ table=$(result texture-quality.csv)
 {
     echo "$(heading)"
     "$build"/bin/texture_quality ${pictures:+--pictures "$pictures"}
-    for refine in round photo; do
+    for refine in round photo round_photo; do
         for scene in ring20 room; do
             "$build"/bin/texture_quality ${pictures:+--pictures "$pictures"} --refine $refine --only $scene --orbit-steps 0 | tail -n +2
         done

@@ -36,10 +36,11 @@ public:
     explicit PhotoRefinement(const PhotoRefinementOptions& options = {})
         : options_(options), sweep_(options.sweep) {}
 
-    /// Refines `mesh`, the visual hull of `views` or some components of it, in place. It remains a
-    /// closed 2-manifold with the same components; self-intersections are not checked. Vertices
-    /// that moved are inside the masks of all views with a picture. False, and nothing changes, if
-    /// the mesh is no closed 2-manifold or less than two views have pictures.
+    /// Refines `mesh`, the visual hull of `views` or some components of it, also with rounded
+    /// corners (CornerRounding), in place. It remains a closed 2-manifold with the same components;
+    /// self-intersections are not checked. Vertices that moved are inside the masks of all views
+    /// with a picture. False, and nothing changes, if the mesh is no closed 2-manifold or less than
+    /// two views have pictures.
     bool refine(geometry::TriangleMesh& mesh,
                 std::span<const PictureView> views,
                 Executor& executor);

@@ -11,6 +11,8 @@ namespace {
 
 constexpr float kLeastArea_m2 = 1e-10F;
 constexpr std::uint64_t kNumDirections = 6;
+// faces of rounded corners still touch the silhouettes
+constexpr double kMostSine = 0.05;
 
 // The axis that a normal follows most, and its sign.
 std::uint64_t direction_of(const Eigen::Vector3f& normal) {
@@ -80,7 +82,7 @@ void Surfels::add_samples(const geometry::TriangleMesh& mesh,
         const float area = static_cast<float>(0.5 * doubled_area / num_along / num_across);
         const Eigen::Vector3f normal_f = normal.cast<float>();
         const std::uint64_t direction = direction_of(normal_f);
-        const std::int32_t owner = hull::face_owner(p[0], normal, centres_site);
+        const std::int32_t owner = hull::face_owner(p[0], normal, centres_site, kMostSine);
         face_owners_[t] = owner;
         const Eigen::Vector3d& a = p[apex];
         const Eigen::Vector3d b = p[(apex + 1) % 3] - a;

@@ -73,6 +73,7 @@ renderer::CameraPicture whole_picture(const TruePicture& from, const image::Pixe
 
 Refinement refinement_named(std::string_view name) {
     if (name == "photo") return Refinement::kPhoto;
+    if (name == "round_photo") return Refinement::kRoundPhoto;
     return name == "round" ? Refinement::kRound : Refinement::kOff;
 }
 
@@ -135,12 +136,12 @@ Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
     if (hull.status != hull::HullStatus::kOk)
         return make_error(ErrorKind::kInvalidData, hull::to_string(hull.status));
     person.mesh = std::move(hull.mesh);
-    if (refinement == Refinement::kRound) {
+    if (refinement == Refinement::kRound || refinement == Refinement::kRoundPhoto) {
         std::vector<const hull::SilhouetteView*> pointers;
         for (const hull::SilhouetteView& view : views) pointers.push_back(&view);
         hull::CornerRounding().round(person.mesh, pointers);
     }
-    if (refinement == Refinement::kPhoto) {
+    if (refinement == Refinement::kPhoto || refinement == Refinement::kRoundPhoto) {
         std::vector<refine::PictureView> seen;
         for (const TruePicture& picture : pictures) {
             const image::PixelRect subject = bounding_rect(picture.mask);

@@ -43,7 +43,7 @@ enum class Publishing : std::uint8_t {
 };
 
 /// As hull.refine of a site.
-enum class Refinement : std::uint8_t { kOff, kRound, kPhoto };
+enum class Refinement : std::uint8_t { kOff, kRound, kPhoto, kRoundPhoto };
 Refinement refinement_named(std::string_view name);  // of other names: kOff
 
 /// A person as a viewer receives it.

@@ -220,7 +220,7 @@ TEST_F(TwoBodies, AreRoundedWithoutRegions) {
 
 TEST_F(TwoBodies, HaveAnotherFingerprintRefined) {
     std::set<std::uint64_t> fingerprints;
-    for (const char* refine : {"off", "round", "photo"}) {
+    for (const char* refine : {"off", "round", "photo", "round_photo"}) {
         options_.refine = refine;
         EXPECT_TRUE(fingerprints.insert(fingerprint(options_)).second) << refine;
     }
@@ -234,7 +234,7 @@ TEST(HullStage, MovesTheSurfaceToWhereThePicturesAgree) {
                              std::size_t num_delivered) {
         auto stage = HullStage::create(scene.cameras, options, kTolerance_px);
         EXPECT_TRUE(stage) << stage.error().message;
-        EXPECT_EQ(stage->uses_pictures(), options.refine == "photo");
+        EXPECT_EQ(stage->uses_pictures(), options.refine.ends_with("photo"));
         std::vector<std::uint8_t> delivered(scene.cameras.size(), 0);
         for (std::size_t i = 0; i < num_delivered; ++i) {
             stage->contours(i) = scene.contours[i];
@@ -257,6 +257,13 @@ TEST(HullStage, MovesTheSurfaceToWhereThePicturesAgree) {
     // a lost camera, no pictures at all
     EXPECT_LT(geometry::volume_m3(hull_of(options, pictures, 8)), 0.98 * exact_of_8_m3);
     EXPECT_EQ(geometry::volume_m3(hull_of(options, {}, all)), exact_m3);
+    // corners first
+    options.refine = "round";
+    const double rounded_m3 = geometry::volume_m3(hull_of(options, pictures, all));
+    options.refine = "round_photo";
+    EXPECT_EQ(geometry::volume_m3(hull_of(options, {}, all)), rounded_m3);
+    EXPECT_LT(geometry::volume_m3(hull_of(options, pictures, all)), 0.98 * rounded_m3);
+    options.refine = "photo";
     // each region with its own cameras
     options.regions = {{"here", {{-0.5, -0.5, -0.1}, {0.5, 0.5, 0.5}}, {}},
                        {"beside", {{1.0, 1.0, -0.1}, {2.0, 2.0, 0.5}}, {"cam0", "cam1", "cam2"}}};
