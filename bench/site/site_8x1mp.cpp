@@ -17,11 +17,13 @@ namespace {
 
 struct Case {
     image::PixelFormat format;
-    double rate_hz;  // 0: the next one as soon as the last one is ready
+    double rate_hz;              // 0: the next one as soon as the last one is ready
+    std::string refine = "off";  // the hull, as hull.refine
 };
 
-const char* name_of(image::PixelFormat format) {
-    return format == image::PixelFormat::kBgr ? "BGR" : "BayerRG8";
+std::string name_of(const Case& c) {
+    std::string name = c.format == image::PixelFormat::kBgr ? "BGR" : "BayerRG8";
+    return c.refine == "off" ? name : name + " " + c.refine;
 }
 
 // All columns of a case, in the order of the table.
@@ -33,7 +35,7 @@ struct Figure {
 std::vector<Figure> figures_of(const Case& c, std::size_t workers, const SiteRun& run) {
     const auto two_digits = [](double value) { return fmt::format("{:.2f}", value); };
     std::vector<Figure> figures = {
-        {"format", name_of(c.format)},
+        {"format", name_of(c)},
         {"offered_hz", fmt::format("{:g}", c.rate_hz)},  // 0: one after another
         {"workers", std::to_string(workers)},
         {"seconds", fmt::format("{:.1f}", run.seconds())},
@@ -75,14 +77,17 @@ int measure(const std::vector<Case>& cases, double seconds, std::size_t workers,
     std::optional<SiteScene> scene;
     std::optional<site_node::Pipeline> pipeline;
     std::optional<image::PixelFormat> format;
+    std::string refine;
     for (const Case& c : cases) {
-        if (format != c.format) {
+        if (format != c.format || refine != c.refine) {
             SiteSceneOptions options;
             options.format = c.format;
             auto made = SiteScene::create(options);
             if (!made) return fmt::print(stderr, "{}\n", made.error().message), 1;
             scene = std::move(*made);
-            auto created = site_node::Pipeline::create(*scene, {}, {});
+            site_node::PipelineOptions pipeline_options;
+            pipeline_options.hull.refine = refine = c.refine;
+            auto created = site_node::Pipeline::create(*scene, pipeline_options, {});
             if (!created) return fmt::print(stderr, "{}\n", created.error().message), 1;
             pipeline = std::move(*created);
             format = c.format;
@@ -115,7 +120,11 @@ int main(int argc, char** argv) {
                                        {PixelFormat::kBayerRG, 60.0},
                                        {PixelFormat::kBayerRG, 0.0},
                                        {PixelFormat::kBgr, 60.0},
-                                       {PixelFormat::kBgr, 0.0}},
+                                       {PixelFormat::kBgr, 0.0},
+                                       {PixelFormat::kBayerRG, 30.0, "photo"},
+                                       {PixelFormat::kBayerRG, 0.0, "photo"},
+                                       {PixelFormat::kBayerRG, 30.0, "round_photo"},
+                                       {PixelFormat::kBayerRG, 0.0, "round_photo"}},
                                       seconds,
                                       workers,
                                       csv);
