@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Puts the pictures of looks_strip.sh side by side.
 
-usage: looks_strip.py FOLDER VIEW PNG    FOLDER has LOOK-off and LOOK-photo, each with pictures of texture_quality
+usage: looks_strip.py FOLDER VIEW PNG    FOLDER has LOOK-off and LOOK-round_photo, each with pictures of texture_quality
 """
 
 import glob
@@ -30,10 +30,11 @@ def main(folder, view, png):
     pictures = []
     for look in sorted({name.split("-")[0] for name in os.listdir(folder) if "-" in name}):
         true, before = panels(os.path.join(folder, look + "-off"), int(view))
-        _, after = panels(os.path.join(folder, look + "-photo"), int(view))
+        _, after = panels(os.path.join(folder, look + "-round_photo"), int(view))
         pictures += [true, before, after]
     height = max(picture.shape[0] for picture in pictures)
-    pictures = [cv2.copyMakeBorder(picture, height - picture.shape[0], 0, 0, 0, cv2.BORDER_CONSTANT, value=(GREY,) * 3) for picture in pictures]
+    pictures = [cv2.copyMakeBorder(picture, height - picture.shape[0], 0, 0, 0, cv2.BORDER_CONSTANT, value=(GREY,) * 3)
+                for picture in pictures]
     if not cv2.imwrite(png, numpy.hstack(pictures), [cv2.IMWRITE_PNG_COMPRESSION, 9]):
         sys.exit(f"looks_strip: cannot write {png}")
     print(f"wrote {png}")
