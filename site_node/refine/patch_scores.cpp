@@ -1,24 +1,15 @@
 #include "site_node/refine/patch_scores.hpp"
 
+#include "site_node/refine/lanes.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#define ATRIUM_AVX2 __attribute__((target("avx2")))
-#endif
-#define ATRIUM_INLINE inline __attribute__((always_inline))
-
 namespace atrium::refine {
 namespace {
-
-constexpr int kLanes = 8;
-using Floats = float __attribute__((vector_size(4 * kLanes)));
-using Ints = std::int32_t __attribute__((vector_size(4 * kLanes)));
-using Words = std::uint32_t __attribute__((vector_size(4 * kLanes)));
 
 // Samples of a patch: all of 5 x 5 but the middle one.
 constexpr int kNumVectors = 3;
@@ -43,10 +34,6 @@ struct Offsets {
     float reach_x;
     float reach_y;
 };
-
-ATRIUM_INLINE float sum_of(const Floats& v) {
-    return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
-}
 
 struct BaselineFetch {
     void operator()(const std::uint32_t* taps, const Ints& places, Words& out) const {

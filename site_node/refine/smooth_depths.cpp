@@ -1,24 +1,17 @@
 #include "site_node/refine/smooth_depths.hpp"
 
+#include "site_node/refine/lanes.hpp"
+
 #include <algorithm>
 #include <cstring>
 #include <span>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#define ATRIUM_AVX2 __attribute__((target("avx2")))
-#endif
-#define ATRIUM_INLINE inline __attribute__((always_inline))
-
 namespace atrium::refine {
 namespace {
 
-constexpr std::size_t kDepthLanes = 8;
-using Depths = float __attribute__((vector_size(4 * kDepthLanes)));
-
 struct BaselineGather {
-    void operator()(const float* depths, const std::uint32_t* places, Depths& out) const {
-        for (std::size_t lane = 0; lane < kDepthLanes; ++lane) out[lane] = depths[places[lane]];
+    void operator()(const float* depths, const std::uint32_t* places, Floats& out) const {
+        for (int lane = 0; lane < kLanes; ++lane) out[lane] = depths[places[lane]];
     }
 };
 
@@ -26,7 +19,7 @@ struct BaselineGather {
 struct Avx2Gather {
     ATRIUM_AVX2 void operator()(const float* depths,
                                 const std::uint32_t* places,
-                                Depths& out) const {
+                                Floats& out) const {
         __m256i indices;
         std::memcpy(&indices, places, sizeof(indices));
         out = _mm256_i32gather_ps(depths, indices, 4);
@@ -64,16 +57,14 @@ ATRIUM_INLINE void go_through(const Problem& of,
             weight += own;
         }
         if (of.begins[i] != of.begins[i + 1]) {
-            Depths sums{};
-            for (std::uint32_t k = of.begins[i]; k < of.begins[i + 1]; k += kDepthLanes) {
-                Depths there, shares;
+            Floats sums{};
+            for (std::uint32_t k = of.begins[i]; k < of.begins[i + 1]; k += kLanes) {
+                Floats there, shares;
                 gather(depths_m, of.neighbours + k, there);
                 std::memcpy(&shares, of.shares + k, sizeof(shares));
                 sums += shares * there;
             }
-            const float mean = ((sums[0] + sums[4]) + (sums[2] + sums[6])) +
-                               ((sums[1] + sums[5]) + (sums[3] + sums[7]));
-            sum += options.smoothness * mean;
+            sum += options.smoothness * sum_of(sums);
             weight += options.smoothness;
         }
         depths_m[i] = std::clamp(sum / weight, 0.0F, of.most_m[i]);
@@ -115,8 +106,8 @@ void SmoothDepths::assign(const Surfels& surfels) {
             neighbours_.resize(begins_.back());
             shares_.resize(begins_.back());
         }
-        const std::size_t filled = (neighbours_.size() + kDepthLanes - 1) / kDepthLanes;
-        neighbours_.resize(filled * kDepthLanes, static_cast<std::uint32_t>(i));
+        const std::size_t filled = (neighbours_.size() + kLanes - 1) / kLanes;
+        neighbours_.resize(filled * kLanes, static_cast<std::uint32_t>(i));
         shares_.resize(neighbours_.size(), 0.0F);
         for (std::size_t k = begins_.back(); k < shares_.size(); ++k) shares_[k] *= share;
         begins_.push_back(static_cast<std::uint32_t>(neighbours_.size()));

@@ -1,34 +1,28 @@
 #include "site_node/refine/surfel_rows.hpp"
 
+#include "site_node/refine/lanes.hpp"
+
 #include <bit>
 #include <cstring>
-
-#if defined(__x86_64__)
-#include <immintrin.h>
-#define ATRIUM_AVX2 __attribute__((target("avx2")))
-#endif
-#define ATRIUM_INLINE inline __attribute__((always_inline))
 
 namespace atrium::refine {
 namespace {
 
-constexpr std::uint32_t kRowLanes = SurfelRows::kMargin;
-using RowFloats = float __attribute__((vector_size(4 * kRowLanes)));
-using RowFlags = std::int32_t __attribute__((vector_size(4 * kRowLanes)));
-constexpr RowFlags kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
+static_assert(SurfelRows::kMargin >= kLanes);
+constexpr Ints kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
 
 // Looks the other way if the cosine between the normals is at most this.
 constexpr float kOppositeCosine = -0.2F;
 
-ATRIUM_INLINE void load(const std::vector<float>& from, std::uint32_t at, RowFloats& out) {
+ATRIUM_INLINE void load(const std::vector<float>& from, std::uint32_t at, Floats& out) {
     std::memcpy(&out, from.data() + at, sizeof(out));
 }
 
 // One bit per lane.
 struct BaselineBits {
-    unsigned operator()(const RowFlags& flags) const {
+    unsigned operator()(const Ints& flags) const {
         unsigned bits = 0;
-        for (unsigned lane = 0; lane < kRowLanes; ++lane)
+        for (int lane = 0; lane < kLanes; ++lane)
             bits |= (static_cast<unsigned>(flags[lane]) & 1U) << lane;
         return bits;
     }
@@ -36,7 +30,7 @@ struct BaselineBits {
 
 #ifdef ATRIUM_AVX2
 struct Avx2Bits {
-    ATRIUM_AVX2 unsigned operator()(const RowFlags& flags) const {
+    ATRIUM_AVX2 unsigned operator()(const Ints& flags) const {
         return static_cast<unsigned>(_mm256_movemask_ps((__m256)flags));
     }
 };
@@ -51,17 +45,17 @@ ATRIUM_INLINE void near_in(const SurfelRows& rows,
                            std::vector<NearSurfel>& found) {
     found.clear();
     for (const SurfelRun& run : runs) {
-        for (std::uint32_t i = run.begin; i < run.end; i += kRowLanes) {
-            RowFloats x, y, z;
+        for (std::uint32_t i = run.begin; i < run.end; i += kLanes) {
+            Floats x, y, z;
             load(rows.positions_site.x, i, x);
             load(rows.positions_site.y, i, y);
             load(rows.positions_site.z, i, z);
             x -= centre.x();
             y -= centre.y();
             z -= centre.z();
-            const RowFloats distance_sq = x * x + y * y + z * z;
-            const RowFlags is_near = (distance_sq <= radius_sq) &
-                                     (kLaneNumbers < static_cast<std::int32_t>(run.end - i));
+            const Floats distance_sq = x * x + y * y + z * z;
+            const Ints is_near = (distance_sq <= radius_sq) &
+                                 (kLaneNumbers < static_cast<std::int32_t>(run.end - i));
             for (unsigned left = bits(is_near); left != 0; left &= left - 1) {
                 const auto lane = static_cast<unsigned>(std::countr_zero(left));
                 found.push_back({i + lane, distance_sq[lane]});
@@ -75,34 +69,33 @@ ATRIUM_INLINE float opposite_in(const SurfelRows& rows,
                                 const InwardLine& line,
                                 float most_m) {
     const Eigen::Vector3f& normal = line.normal;
-    RowFloats least = RowFloats{} + most_m;
+    Floats least = Floats{} + most_m;
     for (const SurfelRun& run : runs) {
-        for (std::uint32_t i = run.begin; i < run.end; i += kRowLanes) {
-            RowFloats x, y, z, normal_x, normal_y, normal_z;
+        for (std::uint32_t i = run.begin; i < run.end; i += kLanes) {
+            Floats x, y, z, normal_x, normal_y, normal_z;
             load(rows.positions_site.x, i, x);
             load(rows.positions_site.y, i, y);
             load(rows.positions_site.z, i, z);
             load(rows.normals.x, i, normal_x);
             load(rows.normals.y, i, normal_y);
             load(rows.normals.z, i, normal_z);
-            const RowFloats cosine =
+            const Floats cosine =
                 normal_x * normal.x() + normal_y * normal.y() + normal_z * normal.z();
             x = line.from_site.x() - x;
             y = line.from_site.y() - y;
             z = line.from_site.z() - z;
-            const RowFloats inwards = x * normal.x() + y * normal.y() + z * normal.z();
+            const Floats inwards = x * normal.x() + y * normal.y() + z * normal.z();
             x -= inwards * normal.x();
             y -= inwards * normal.y();
             z -= inwards * normal.z();
-            const RowFlags is_opposite = (cosine <= kOppositeCosine) & (inwards > 0.0F) &
-                                         (x * x + y * y + z * z <= line.radius_m * line.radius_m) &
-                                         (kLaneNumbers < static_cast<std::int32_t>(run.end - i));
+            const Ints is_opposite = (cosine <= kOppositeCosine) & (inwards > 0.0F) &
+                                     (x * x + y * y + z * z <= line.radius_m * line.radius_m) &
+                                     (kLaneNumbers < static_cast<std::int32_t>(run.end - i));
             least = (is_opposite & (inwards < least)) ? inwards : least;
         }
     }
     float first = most_m;
-    for (std::uint32_t lane = 0; lane < kRowLanes; ++lane)
-        first = least[lane] < first ? least[lane] : first;
+    for (int lane = 0; lane < kLanes; ++lane) first = least[lane] < first ? least[lane] : first;
     return first;
 }
 
