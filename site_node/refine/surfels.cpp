@@ -52,7 +52,7 @@ void Surfels::grow() {
     }
 }
 
-// Faces of a hull are long and thin: their samples lie half a spacing apart along the longest edge,
+// Faces of a hull are long and thin: their samples lie 0.7 spacings apart along the longest edge,
 // and as far across.
 void Surfels::add_samples(const geometry::TriangleMesh& mesh,
                           std::span<const Eigen::Vector3d> centres_site,
@@ -76,9 +76,9 @@ void Surfels::add_samples(const geometry::TriangleMesh& mesh,
             if (length > longest) apex = k;
             longest = std::max(longest, length);
         }
-        const double half = 0.7 * double{spacing_m};
-        const int num_along = static_cast<int>(longest / half) + 1;
-        const int num_across = static_cast<int>(doubled_area / longest / half) + 1;
+        const double apart_m = 0.7 * double{spacing_m};
+        const int num_along = static_cast<int>(longest / apart_m) + 1;
+        const int num_across = static_cast<int>(doubled_area / longest / apart_m) + 1;
         const float area = static_cast<float>(0.5 * doubled_area / num_along / num_across);
         const Eigen::Vector3f normal_f = normal.cast<float>();
         const std::uint64_t direction = direction_of(normal_f);
