@@ -354,7 +354,7 @@ Expected<void> check(const SiteNodeConfig& config) {
             "--record: a site on several hosts is not recorded: each host has the pictures of its "
             "own cameras only");
     }
-    if (config.pipeline.hull.refine.ends_with("photo") && !config.hosts.empty()) {
+    if (needs_pictures(config.pipeline.hull) && !config.hosts.empty()) {
         return wrong(
             fmt::format("hull.refine: a site on several hosts cannot use {}: the hulls are "
                         "computed without the pictures, which stay on the hosts of the cameras; "

@@ -113,6 +113,10 @@ std::uint64_t fingerprint(const HullStageOptions& options) {
     return hash.value();
 }
 
+bool needs_pictures(const HullStageOptions& options) {
+    return options.refine == "photo" || options.refine == "round_photo";
+}
+
 std::vector<std::string> overlapping_regions(std::span<const RegionOptions> regions) {
     std::vector<std::string> pairs;
     for (std::size_t i = 0; i < regions.size(); ++i) {
@@ -144,7 +148,7 @@ Expected<HullStage> HullStage::create(std::span<const geometry::CalibratedCamera
     stage.options_.min_views = options.min_views;
     stage.options_.keep_phantoms = options.keep_phantoms;
     stage.rounds_corners_ = options.refine == "round" || options.refine == "round_photo";
-    stage.moves_to_pictures_ = options.refine == "photo" || options.refine == "round_photo";
+    stage.moves_to_pictures_ = needs_pictures(options);
     stage.options_.min_component_volume_m3 = options.min_component_l / kLitresPerM3;
     stage.min_delivered_ = std::max(kFewestViews, options.min_views);
     stage.views_.resize(cameras.size());

@@ -55,6 +55,9 @@ struct HullStageOptions {
 /// known.
 Expected<void> check(const HullStageOptions& options);
 
+/// Whether the hull is refined by the cameras' pictures, which only their host has.
+bool needs_pictures(const HullStageOptions& options);
+
 /// The same where the same hulls come of the same contours and rig, on any host.
 std::uint64_t fingerprint(const HullStageOptions& options);
 

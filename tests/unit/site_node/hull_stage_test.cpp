@@ -223,6 +223,7 @@ TEST_F(TwoBodies, HaveAnotherFingerprintRefined) {
     for (const char* refine : {"off", "round", "photo", "round_photo"}) {
         options_.refine = refine;
         EXPECT_TRUE(fingerprints.insert(fingerprint(options_)).second) << refine;
+        EXPECT_EQ(needs_pictures(options_), std::string_view(refine).ends_with("photo"));
     }
 }
 
@@ -234,7 +235,7 @@ TEST(HullStage, MovesTheSurfaceToWhereThePicturesAgree) {
                              std::size_t num_delivered) {
         auto stage = HullStage::create(scene.cameras, options, kTolerance_px);
         EXPECT_TRUE(stage) << stage.error().message;
-        EXPECT_EQ(stage->uses_pictures(), options.refine.ends_with("photo"));
+        EXPECT_EQ(stage->uses_pictures(), needs_pictures(options));
         std::vector<std::uint8_t> delivered(scene.cameras.size(), 0);
         for (std::size_t i = 0; i < num_delivered; ++i) {
             stage->contours(i) = scene.contours[i];
