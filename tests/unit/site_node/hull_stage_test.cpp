@@ -10,6 +10,7 @@
 
 #include <array>
 #include <set>
+#include <string_view>
 
 namespace atrium::site_node {
 namespace {
