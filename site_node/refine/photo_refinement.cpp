@@ -46,14 +46,14 @@ void PhotoRefinement::find_moves(const geometry::TriangleMesh& mesh, Executor& e
 }
 
 // The vertices of a camera's faces lie on its outlines. Of those that one part of an outline shows,
-// the one that would move least stays: surfels alone hold the surface too coarsely.
+// the one that would move least is held: surfels alone hold the surface too coarsely. Only a mesh
+// with divided edges has vertices where the person touches a long viewing ray.
 void PhotoRefinement::hold_outlines(const geometry::TriangleMesh& mesh,
                                     std::span<const PictureView> views) {
     on_outlines_.clear();
-    const std::span<const std::int32_t> owners = sweep_.surfels().face_owners();
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (owners[t] == hull::kNoOwner) continue;
-        const auto view = static_cast<std::size_t>(owners[t]);
+        if (face_owners_[t] == hull::kNoOwner) continue;
+        const auto view = static_cast<std::size_t>(face_owners_[t]);
         for (const std::uint32_t v : mesh.triangles[t]) {
             const auto bin =
                 outline_bin(*views[view].camera, view, mesh.vertices[v], options_.outline_bin_px);
@@ -61,7 +61,9 @@ void PhotoRefinement::hold_outlines(const geometry::TriangleMesh& mesh,
         }
     }
     keep_least(on_outlines_);
-    for (const OutlinePoint& point : on_outlines_) moves_[point.index].setZero();
+    const float between_m = options_.free_move_m - options_.firm_move_m;
+    for (const auto& [bin, move_m, vertex] : on_outlines_)
+        moves_[vertex] *= std::clamp((move_m - options_.firm_move_m) / between_m, 0.0F, 1.0F);
 }
 
 // Judges the edges of vertices from `first_new` on; the others have been judged. False if none
@@ -106,7 +108,7 @@ bool PhotoRefinement::split_bent_edges(geometry::TriangleMesh& mesh,
     std::ranges::sort(splits_, [](const SplitEdge& a, const SplitEdge& b) {
         return a.low != b.low ? a.low < b.low : a.high < b.high;
     });
-    split_edges(splits_, mesh);
+    split_edges(splits_, mesh, face_owners_);
     return !splits_.empty();
 }
 
@@ -140,8 +142,9 @@ bool PhotoRefinement::refine(geometry::TriangleMesh& mesh,
     if (num_pictures < kFewestPictures || !geometry::inspect(mesh).manifold) return false;
     near_.resize(std::max(near_.size(), executor.num_workers()));
     sweep_.find(mesh, views, executor);
+    const std::span<const std::int32_t> owners = sweep_.surfels().face_owners();
+    face_owners_.assign(owners.begin(), owners.end());
     find_moves(mesh, executor);
-    hold_outlines(mesh, views);
     constexpr int kMostPasses = 4;
     std::size_t first_new = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
@@ -149,6 +152,7 @@ bool PhotoRefinement::refine(geometry::TriangleMesh& mesh,
         if (!split_bent_edges(mesh, first_new, executor)) break;
         first_new = num_before;
     }
+    hold_outlines(mesh, views);
     apply_moves(mesh, views, executor);
     return true;
 }

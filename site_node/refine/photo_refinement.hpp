@@ -20,8 +20,12 @@ struct PhotoRefinementOptions {
     /// `least_bend_m`.
     float most_edge_m = 0.03F;
     float least_bend_m = 0.003F;
-    /// In each such part of an outline, one vertex stays where it is.
+    /// Each such part of an outline holds one vertex, the one that would move least: in its place
+    /// if that is at most `firm_move_m`, and ever less up to `free_move_m`, where the sweep and the
+    /// outline contradict each other. A single vertex that stays far out would be a spike.
     double outline_bin_px = 2.0;
+    float firm_move_m = 0.004F;
+    float free_move_m = 0.012F;
     /// Smaller moves need no check against the silhouettes.
     float safe_move_m = 0.001F;
 };
@@ -70,6 +74,7 @@ private:
     std::vector<OutlinePoint> on_outlines_;
     std::vector<LongEdge> long_edges_;
     std::vector<SplitEdge> splits_;
+    std::vector<std::int32_t> face_owners_;  // per triangle: the camera that made it
 };
 
 }  // namespace atrium::refine

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -34,7 +35,10 @@ private:
 
 }  // namespace
 
-void split_edges(std::span<const SplitEdge> edges, geometry::TriangleMesh& mesh) {
+void split_edges(std::span<const SplitEdge> edges,
+                 geometry::TriangleMesh& mesh,
+                 std::vector<std::int32_t>& labels) {
+    assert(labels.size() == mesh.triangles.size());
     if (edges.empty()) return;
     const auto length_sq = [&](std::uint32_t a, std::uint32_t b) {
         return (mesh.vertices[a] - mesh.vertices[b]).squaredNorm();
@@ -52,6 +56,8 @@ void split_edges(std::span<const SplitEdge> edges, geometry::TriangleMesh& mesh)
         }
         if (num == 0) continue;
         std::vector<Triangle>& triangles = mesh.triangles;
+        const std::int32_t label = labels[i];
+        labels.insert(labels.end(), num, label);  // each middle adds a triangle
         if (num == 3) {
             triangles[i] = {*middles[0], *middles[1], *middles[2]};
             for (std::size_t k = 0; k < 3; ++k)

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace atrium::refine {
 
@@ -17,7 +18,9 @@ struct SplitEdge {
 
 /// Divides the triangles at `edges`, which are sorted by their ends and whose middles exist
 /// already. A closed 2-manifold stays one, with the same components. Of the two ways to divide a
-/// quadrilateral it takes the shorter diagonal.
-void split_edges(std::span<const SplitEdge> edges, geometry::TriangleMesh& mesh);
+/// quadrilateral it takes the shorter diagonal. `labels` has one per triangle; parts inherit it.
+void split_edges(std::span<const SplitEdge> edges,
+                 geometry::TriangleMesh& mesh,
+                 std::vector<std::int32_t>& labels);
 
 }  // namespace atrium::refine

@@ -2,9 +2,12 @@
 
 #include "tests/support/random.hpp"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace atrium::refine {
@@ -30,10 +33,26 @@ std::vector<SplitEdge> edges_of(const geometry::TriangleMesh& mesh) {
     return edges;
 }
 
+// Area of the triangles with this label.
+double area(const geometry::TriangleMesh& mesh,
+            const std::vector<std::int32_t>& labels,
+            std::int32_t label) {
+    double sum = 0.0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (labels[t] != label) continue;
+        const auto& [a, b, c] = mesh.triangles[t];
+        const Eigen::Vector3d along = mesh.vertices[b] - mesh.vertices[a];
+        sum += 0.5 * along.cross(mesh.vertices[c] - mesh.vertices[a]).norm();
+    }
+    return sum;
+}
+
 TEST(SplitEdges, KeepTheSurfaceForAnyChoiceOfEdges) {
     test::Random random(11);
     for (int trial = 0; trial < 200; ++trial) {
         geometry::TriangleMesh mesh = tetrahedron();
+        std::vector<std::int32_t> labels{0, 1, 2, 3};
+        const std::vector<std::int32_t> faces = labels;
         for (int pass = 0; pass < 4; ++pass) {
             std::vector<SplitEdge> chosen;
             const std::size_t num_edges = edges_of(mesh).size();
@@ -46,7 +65,7 @@ TEST(SplitEdges, KeepTheSurfaceForAnyChoiceOfEdges) {
                 chosen.push_back(edge);
             }
             const std::size_t num_triangles = mesh.triangles.size();
-            split_edges(chosen, mesh);
+            split_edges(chosen, mesh, labels);
             const geometry::MeshReport report = geometry::inspect(mesh);
             ASSERT_TRUE(report.manifold);
             ASSERT_EQ(report.num_components, 1U);
@@ -55,6 +74,10 @@ TEST(SplitEdges, KeepTheSurfaceForAnyChoiceOfEdges) {
             // each divided edge adds a triangle on both sides
             ASSERT_EQ(mesh.triangles.size(), num_triangles + 2 * chosen.size());
             ASSERT_LE(chosen.size(), num_edges);
+            ASSERT_EQ(labels.size(), mesh.triangles.size());
+            for (const std::int32_t face : faces) {
+                ASSERT_NEAR(area(mesh, labels, face), area(tetrahedron(), faces, face), 1e-12);
+            }
         }
     }
 }
@@ -64,7 +87,9 @@ TEST(SplitEdges, TakesTheShorterDiagonal) {
     geometry::TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {-1, 1, 0}, {-0.5, 0.5, 0}, {0, 0.5, 0}},
                                 {{0, 1, 2}}};
     const std::vector<SplitEdge> edges{{0, 2, 3}, {1, 2, 4}};
-    split_edges(edges, mesh);
+    std::vector<std::int32_t> labels{7};
+    split_edges(edges, mesh, labels);
+    EXPECT_EQ(labels, (std::vector<std::int32_t>{7, 7, 7}));
     ASSERT_EQ(mesh.triangles.size(), 3U);
     const auto has = [&](std::uint32_t a, std::uint32_t b) {
         return std::ranges::any_of(mesh.triangles, [&](const auto& t) {
