@@ -1,6 +1,7 @@
 // Compares the shape of simulated people, as a site computes it, with their true surface. Writes
 // rows of comma-separated values, one per instant. geometry_quality.sh keeps them and makes the
 // table of docs/measurements/hull.md.
+#include "bench/hull/filmed_instant.hpp"
 #include "bench/value_of.hpp"
 #include "core/app/program.hpp"
 #include "core/config/rig.hpp"
@@ -10,8 +11,6 @@
 #include "site_node/hull/corner_rounding.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/refine/photo_refinement.hpp"
-#include "site_node/silhouette/silhouette.hpp"
-#include "tests/support/shapes/bounding_rect.hpp"
 #include "tests/support/shapes/solid_error.hpp"
 
 #include <fmt/format.h>
@@ -50,32 +49,6 @@ double ms_since(std::chrono::steady_clock::time_point start) {
         .count();
 }
 
-// What the cameras see at one instant.
-struct Instant {
-    std::vector<hull::SilhouetteView> views;
-    std::vector<image::YuvImage> pictures;
-    std::vector<image::Mask> masks;
-};
-
-// With true masks: what the geometry adds to the error, not the segmentation.
-Instant film(simulation::RoomRenderer& room, double time_s) {
-    Instant instant;
-    instant.pictures.resize(room.cameras().size());
-    instant.masks.resize(room.cameras().size());
-    silhouette::SilhouetteScratch scratch;
-    std::vector<silhouette::SilhouettePolygon> polygons;
-    for (std::size_t i = 0; i < room.cameras().size(); ++i) {
-        const geometry::CalibratedCamera& camera = room.cameras()[i];
-        image::Mask& mask = instant.masks[i];
-        room.render(time_s, i, simulation::Scene::kPerson, 0, instant.pictures[i], &mask);
-        silhouette::extract_silhouette(mask, camera.intrinsics, {}, scratch, polygons);
-        hull::SilhouetteView view{camera.intrinsics, camera.camera_from_site, {}, {}};
-        for (const auto& polygon : polygons) view.contours.push_back(polygon.vertices_px);
-        instant.views.push_back(std::move(view));
-    }
-    return instant;
-}
-
 void print(const Row& row) {
     const test::SolidError& e = row.error;
     fmt::print(
@@ -108,17 +81,9 @@ void measure(const std::string& look, const std::string& motion, const Options& 
     refine::PhotoRefinement photo;
     for (int i = 0; i < options.instants; ++i) {
         const double time_s = room_options.loop_s * (i + 0.5) / options.instants;
-        const Instant instant = film(room, time_s);
-        const std::vector<hull::SilhouetteView>& views = instant.views;
-        std::vector<const hull::SilhouetteView*> pointers;
-        std::vector<refine::PictureView> seen;
-        for (std::size_t k = 0; k < views.size(); ++k) {
-            const image::PixelRect subject = test::bounding_rect(instant.masks[k]);
-            pointers.push_back(&views[k]);
-            seen.push_back({&room.cameras()[k], instant.pictures[k], &instant.masks[k], subject});
-        }
+        const FilmedInstant instant = film(room, time_s);
         const auto start = std::chrono::steady_clock::now();
-        const hull::VisualHull hull = hull::compute_visual_hull(views, {}, scratch);
+        const hull::VisualHull hull = hull::compute_visual_hull(instant.silhouettes, {}, scratch);
         const double hull_ms = ms_since(start);
         if (hull.status != hull::HullStatus::kOk) {
             fmt::print(stderr,
@@ -139,7 +104,7 @@ void measure(const std::string& look, const std::string& motion, const Options& 
                test::compare_solids(truth, hull.mesh)});
         geometry::TriangleMesh rounded = hull.mesh;
         const auto rounding_start = std::chrono::steady_clock::now();
-        rounding.round(rounded, pointers);
+        rounding.round(rounded, instant.silhouette_pointers());
         const double rounded_ms = hull_ms + ms_since(rounding_start);
         print({look,
                motion,
@@ -151,7 +116,7 @@ void measure(const std::string& look, const std::string& motion, const Options& 
         const auto refine = [&](const char* shape, geometry::TriangleMesh mesh, double before_ms) {
             SerialExecutor executor;
             const auto refining_start = std::chrono::steady_clock::now();
-            photo.refine(mesh, seen, executor);
+            photo.refine(mesh, instant.picture_views(room.cameras()), executor);
             const double ms = before_ms + ms_since(refining_start);
             print({look,
                    motion,
