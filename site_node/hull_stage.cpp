@@ -160,6 +160,7 @@ Expected<HullStage> HullStage::create(std::span<const geometry::CalibratedCamera
         return tl::unexpected(added.error());
     if (auto added = stage.add_fields(cameras, options, tolerance_px); !added)
         return tl::unexpected(added.error());
+    stage.photo_.resize(std::max<std::size_t>(1, stage.regions_.size()));
     return stage;
 }
 
@@ -249,10 +250,15 @@ void HullStage::compute_within_bounds(Executor& executor, hull::VisualHull& hull
     hull::compute_visual_hull(pointers_, options_, hull_scratch_, executor, hull);
 }
 
-void HullStage::refine(geometry::TriangleMesh& mesh, Executor& executor) {
+void HullStage::refine(geometry::TriangleMesh& mesh,
+                       refine::PhotoRefinement& photo,
+                       Executor& executor) {
     if (rounds_corners_) rounding_.round(mesh, refined_views_);
-    if (moves_to_pictures_) photo_.refine(mesh, refined_pictures_, executor);
+    if (moves_to_pictures_) photo.refine(mesh, refined_pictures_, executor);
 }
+
+// What comes after an instant without a hull is somebody else, or somewhere else.
+void HullStage::forget() { std::ranges::for_each(photo_, &refine::PhotoRefinement::forget); }
 
 // Each mesh with the views of its hull. Those of `pointers_` are views of `views_`.
 void HullStage::refine(hull::VisualHull& hull,
@@ -271,7 +277,7 @@ void HullStage::refine(hull::VisualHull& hull,
     if (regions_.empty()) {
         forget();
         std::ranges::for_each(pointers_, add);
-        refine(hull.mesh, executor);
+        refine(hull.mesh, photo_.front(), executor);
         return;
     }
     hull.mesh.clear();
@@ -280,7 +286,7 @@ void HullStage::refine(hull::VisualHull& hull,
         for (const std::uint32_t view : regions_[i].views) add(pointers_[view]);
         if (regions_[i].views.empty()) std::ranges::for_each(pointers_, add);
         geometry::TriangleMesh& part = region_scratch_.parts[i].mesh;
-        refine(part, executor);
+        refine(part, photo_[i], executor);
         geometry::append(hull.mesh, part);
     }
 }
@@ -294,6 +300,7 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
     if (regions_.empty() && num_delivered < min_delivered_) {
         clear(hull);
         hull.status = hull::HullStatus::kTooFewViews;
+        forget();
         return;
     }
     pointers_.clear();
@@ -309,7 +316,9 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
     } else {
         hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
     }
-    if ((rounds_corners_ || moves_to_pictures_) && hull.status == hull::HullStatus::kOk)
+    if (hull.status != hull::HullStatus::kOk)
+        forget();
+    else if (rounds_corners_ || moves_to_pictures_)
         refine(hull, pictures, executor);
 }
 

@@ -108,7 +108,8 @@ private:
     void refine(hull::VisualHull& hull,
                 std::span<const refine::PictureView> pictures,
                 Executor& executor);
-    void refine(geometry::TriangleMesh& mesh, Executor& executor);
+    void refine(geometry::TriangleMesh& mesh, refine::PhotoRefinement& photo, Executor& executor);
+    void forget();
     Expected<void> add_regions(std::span<const geometry::CalibratedCamera> cameras,
                                const HullStageOptions& options);
     Expected<void> add_fields(std::span<const geometry::CalibratedCamera> cameras,
@@ -127,7 +128,7 @@ private:
     bool rounds_corners_ = false;
     bool moves_to_pictures_ = false;
     hull::CornerRounding rounding_;
-    refine::PhotoRefinement photo_;
+    std::vector<refine::PhotoRefinement> photo_;  // per region, or one; each has its memory
     // of the mesh that is refined
     std::vector<const hull::SilhouetteView*> refined_views_;
     std::vector<refine::PictureView> refined_pictures_;

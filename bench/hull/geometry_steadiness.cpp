@@ -84,7 +84,16 @@ struct Steadiness {
     std::vector<double> before_mm;
     std::vector<double> changes_mm;
 
+    double out_mm = 0.0;  // mean distance of places that lie inside the shape, and outside of it
+    double in_mm = 0.0;
+    int num = 0;
+
     void add(std::vector<double> depths_mm) {
+        for (const double depth : depths_mm) {
+            (depth > 0.0 ? out_mm : in_mm) +=
+                std::abs(depth) / static_cast<double>(depths_mm.size());
+        }
+        ++num;
         for (std::size_t i = 0; i < before_mm.size(); ++i)
             changes_mm.push_back(std::abs(depths_mm[i] - before_mm[i]));
         before_mm = std::move(depths_mm);
@@ -111,6 +120,7 @@ void measure(const std::string& look, const std::string& motion, const Options& 
     hull::CornerRounding rounding;
     refine::PhotoRefinement photo;
     refine::PhotoRefinement round_photo;
+    refine::PhotoRefinement forgetful;
     SerialExecutor executor;
     const std::vector<Place> places = places_on(room.person().mesh(0.0));
     std::map<std::string, Steadiness> shapes;
@@ -121,7 +131,7 @@ void measure(const std::string& look, const std::string& motion, const Options& 
         const auto add = [&](const char* shape, const geometry::TriangleMesh& mesh) {
             shapes[shape].add(depths_mm(skin, places, mesh));
         };
-        hull::VisualHull hull = hull::compute_visual_hull(instant.silhouettes, {}, scratch);
+        const hull::VisualHull hull = hull::compute_visual_hull(instant.silhouettes, {}, scratch);
         if (hull.status != hull::HullStatus::kOk) {
             fmt::print(stderr, "{} {}: no hull: {}\n", look, motion, hull::to_string(hull.status));
             std::exit(1);
@@ -131,15 +141,26 @@ void measure(const std::string& look, const std::string& motion, const Options& 
         rounding.round(rounded, instant.silhouette_pointers());
         add("rounded", rounded);
         const std::vector<refine::PictureView> views = instant.picture_views(room.cameras());
-        photo.refine(hull.mesh, views, executor);
-        add("photo", hull.mesh);
+        geometry::TriangleMesh mesh = hull.mesh;
+        forgetful.forget();
+        forgetful.refine(mesh, views, executor);
+        add("photo alone", mesh);
+        mesh = hull.mesh;
+        photo.refine(mesh, views, executor);
+        add("photo", mesh);
         round_photo.refine(rounded, views, executor);
         add("round_photo", rounded);
     }
-    for (const char* shape : {"hull", "rounded", "photo", "round_photo"}) {
+    for (const char* shape : {"hull", "rounded", "photo alone", "photo", "round_photo"}) {
         const Steadiness& of = shapes[shape];
-        fmt::print(
-            "{},{},{},{:.3f},{:.3f}\n", look, motion, shape, of.mean_mm(), of.share_mm(0.95));
+        fmt::print("{},{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n",
+                   look,
+                   motion,
+                   shape,
+                   of.mean_mm(),
+                   of.share_mm(0.95),
+                   of.out_mm / of.num,
+                   of.in_mm / of.num);
         std::fflush(stdout);
     }
 }
@@ -159,7 +180,7 @@ int run(int argc, char** argv) {
                    argc,
                    argv);
     if (!started.go_on) return started.exit_code;
-    fmt::print("look,motion,shape,mean_mm,p95_mm\n");
+    fmt::print("look,motion,shape,mean_mm,p95_mm,out_mm,in_mm\n");
     for (const std::string& look : simulation::look_names()) {
         if (!options.look.empty() && look != options.look) continue;
         for (const char* motion : kMotions) measure(look, motion, options);

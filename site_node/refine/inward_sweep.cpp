@@ -195,6 +195,39 @@ void InwardSweep::accept() {
     }
 }
 
+// The depths that the surface had here in the metaframe before; where nothing is found, the
+// solution starts from them.
+void InwardSweep::recall(Executor& executor) {
+    constexpr float kNear_m = 0.03F;
+    constexpr float kLeastCosine = 0.3F;  // between normals
+    constexpr float kLeastWeight = 0.1F;
+    if (!(options_.earlier_weight > 0.0F) || earlier_depths_m_.empty()) return;
+    const std::size_t size = surfels_.size();
+    near_.resize(std::max(near_.size(), executor.num_workers()));
+    const auto work = [&](std::size_t chunk, std::size_t worker) {
+        NearScratch& near = near_[worker];
+        for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
+            earlier_surfels_.near(surfels_[i].position_site, kNear_m, near);
+            float sum = 0.0F;
+            float weight = 0.0F;
+            for (const NearSurfel& there : near.found) {
+                const float cosine = earlier_surfels_[there.surfel].normal.dot(surfels_[i].normal);
+                if (cosine < kLeastCosine) continue;
+                const float own = cosine * falling_weight(there.distance_sq / (kNear_m * kNear_m));
+                sum += own * earlier_depths_m_[there.surfel];
+                weight += own;
+            }
+            if (weight < kLeastWeight) continue;
+            smooth_.earlier_m[i] = sum / weight;
+            smooth_.earlier_weights[i] = options_.earlier_weight * std::min(1.0F, weight);
+            if (!(smooth_.weights[i] > 0.0F)) smooth_.depths_m[i] = smooth_.earlier_m[i];
+        }
+    };
+    executor.parallel_for(num_chunks(size), work);
+}
+
+void InwardSweep::forget() { earlier_depths_m_.clear(); }
+
 // Finds out which surfels lie behind which small part of an outline.
 void InwardSweep::find_outlines(std::span<const PictureView> views) {
     on_outlines_.clear();
@@ -249,6 +282,7 @@ void InwardSweep::find(const geometry::TriangleMesh& mesh,
         centres_site_.push_back(view.camera->centre_site());
         rotations_.push_back(view.camera->camera_from_site.rotation.toRotationMatrix());
     }
+    std::swap(surfels_, earlier_surfels_);
     surfels_.sample(mesh, centres_site_, options_.surfels, executor);
     counts_.num_surfels = surfels_.size();
     look(mesh, views, executor);
@@ -257,12 +291,14 @@ void InwardSweep::find(const geometry::TriangleMesh& mesh,
     smooth_.assign(surfels_);
     accept();
     smooth_.depths_m = smooth_.found_m;
+    recall(executor);
     smooth_.solve(options_.smooth, kNumRounds, kFirstOutlier_m);
     find_outlines(views);
     for (int i = 0; i < kNumHolds; ++i) {
         hold();
         smooth_.solve(options_.smooth, kNumRoundsHeld, 2.0F * options_.smooth.outlier_m);
     }
+    earlier_depths_m_ = smooth_.depths_m;
     for (const float depth : smooth_.depths_m)
         counts_.mean_depth_m += double{depth} / static_cast<double>(surfels_.size());
 }

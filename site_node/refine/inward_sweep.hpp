@@ -34,6 +34,7 @@ struct InwardSweepOptions {
 
     SmoothDepthsOptions smooth;
     double outline_bin_px = 8.0;  // in each such part of an outline the person touches the hull
+    float earlier_weight = 1.0F;  // of the depths in the metaframe before; 0: they do not count
 };
 
 /// How far the surface of a person lies below the visual hull, from the pictures: where the hull is
@@ -49,6 +50,9 @@ struct InwardSweepOptions {
 /// ray somewhere (Furukawa, Ponce, "Carved Visual Hulls for Image-Based Modeling", 2006, "rims").
 /// Of the surfels along it, the one that lies least deep is held on the hull. We choose it from the
 /// solution before, three times, instead of by dynamic programming along the outlines.
+///
+/// Where the hull's surface has barely moved, the depths of the mesh before count, too: noise and
+/// chance make the surface flicker otherwise, and what the cameras have just seen is not forgotten.
 ///
 /// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
 class InwardSweep {
@@ -67,10 +71,14 @@ public:
     };
 
     /// Finds the depths below `mesh`, the visual hull of `views` or some components of it. Views
-    /// without a picture only hold the surface.
+    /// without a picture only hold the surface. The mesh before should be that of the metaframe
+    /// before.
     void find(const geometry::TriangleMesh& mesh,
               std::span<const PictureView> views,
               Executor& executor);
+
+    /// Forgets the mesh before.
+    void forget();
 
     /// By how much a point of the hull moves [m]; `normal` is that of the surface there.
     Eigen::Vector3f move_at(const Eigen::Vector3f& point_site,
@@ -99,12 +107,16 @@ private:
     void sweep(std::span<const PictureView> views, Executor& executor);
     void share_scores(Executor& executor);
     void accept();
+    void recall(Executor& executor);
     void find_outlines(std::span<const PictureView> views);
     void hold();
     float* scores(std::size_t surfel) { return scores_.data() + surfel * kNumSteps; }
 
     InwardSweepOptions options_;
     Surfels surfels_;
+    Surfels earlier_surfels_;
+    std::vector<float> earlier_depths_m_;
+    std::vector<NearScratch> near_;              // per worker
     std::vector<Eigen::Vector3d> centres_site_;  // per view
     std::vector<Eigen::Matrix3d> rotations_;     // per view: camera_from_site
     std::vector<Camera> cameras_;

@@ -139,7 +139,10 @@ bool PhotoRefinement::refine(geometry::TriangleMesh& mesh,
         static_cast<std::size_t>(std::ranges::count_if(views, [](const PictureView& view) {
             return view.picture.y.data != nullptr && view.mask != nullptr && !view.subject.empty();
         }));
-    if (num_pictures < kFewestPictures || !geometry::inspect(mesh).manifold) return false;
+    if (num_pictures < kFewestPictures || !geometry::inspect(mesh).manifold) {
+        forget();
+        return false;
+    }
     near_.resize(std::max(near_.size(), executor.num_workers()));
     sweep_.find(mesh, views, executor);
     const std::span<const std::int32_t> owners = sweep_.surfels().face_owners();

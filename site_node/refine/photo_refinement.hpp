@@ -24,8 +24,8 @@ struct PhotoRefinementOptions {
     /// if that is at most `firm_move_m`, and ever less up to `free_move_m`, where the sweep and the
     /// outline contradict each other. A single vertex that stays far out would be a spike.
     double outline_bin_px = 2.0;
-    float firm_move_m = 0.004F;
-    float free_move_m = 0.012F;
+    float firm_move_m = 0.003F;
+    float free_move_m = 0.008F;
     /// Smaller moves need no check against the silhouettes.
     float safe_move_m = 0.001F;
 };
@@ -33,6 +33,8 @@ struct PhotoRefinementOptions {
 /// Moves the surface of a visual hull inwards to where the cameras agree in what they show of it
 /// (InwardSweep): into hollows that no silhouette shows, and out of the volume that the hull adds
 /// where few cameras look.
+///
+/// It remembers the mesh before: give the metaframes of one place to one object, in their order.
 ///
 /// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
 class PhotoRefinement {
@@ -44,10 +46,13 @@ public:
     /// corners (CornerRounding), in place. It remains a closed 2-manifold with the same components;
     /// self-intersections are not checked. Vertices that moved are inside the masks of all views
     /// with a picture. False, and nothing changes, if the mesh is no closed 2-manifold or less than
-    /// two views have pictures.
+    /// two views have pictures; then the mesh before is forgotten.
     bool refine(geometry::TriangleMesh& mesh,
                 std::span<const PictureView> views,
                 Executor& executor);
+
+    /// Forgets the mesh before.
+    void forget() { sweep_.forget(); }
 
     const InwardSweep& sweep() const { return sweep_; }
 

@@ -31,11 +31,20 @@ struct Problem {
     std::span<const float> found_m;
     std::span<const float> weights;
     std::span<const std::uint8_t> is_held;
+    std::span<const float> earlier_m;
+    std::span<const float> earlier_weights;
     std::span<const float> most_m;
     std::span<const std::uint32_t> begins;
     const std::uint32_t* neighbours;
     const float* shares;
 };
+
+// Falls to a quarter for what is as far off as an outlier.
+ATRIUM_INLINE float weight_of(float weight, float off_m, float per_outlier) {
+    const float off = off_m * per_outlier;
+    const float doubt = 1.0F + off * off;
+    return weight / (doubt * doubt);
+}
 
 template <typename Gather>
 ATRIUM_INLINE void go_through(const Problem& of,
@@ -44,16 +53,21 @@ ATRIUM_INLINE void go_through(const Problem& of,
                               const Gather& gather,
                               float* depths_m) {
     const float per_outlier = 1.0F / outlier_m;
+    const float per_earlier_outlier = 1.0F / options.outlier_m;
     for (std::size_t i = 0; i < of.found_m.size(); ++i) {
         float sum = 0.0F;
         float weight = options.hull_weight;
         if (of.is_held[i] != 0) {
             weight += options.held_weight;
         } else if (of.weights[i] > 0.0F) {
-            const float off = (depths_m[i] - of.found_m[i]) * per_outlier;
-            const float doubt = 1.0F + off * off;
-            const float own = of.weights[i] / (doubt * doubt);
+            const float own = weight_of(of.weights[i], depths_m[i] - of.found_m[i], per_outlier);
             sum += own * of.found_m[i];
+            weight += own;
+        }
+        if (of.earlier_weights[i] > 0.0F) {
+            const float own = weight_of(
+                of.earlier_weights[i], depths_m[i] - of.earlier_m[i], per_earlier_outlier);
+            sum += own * of.earlier_m[i];
             weight += own;
         }
         if (of.begins[i] != of.begins[i + 1]) {
@@ -88,6 +102,8 @@ void SmoothDepths::assign(const Surfels& surfels) {
     found_m.assign(size, 0.0F);
     weights.assign(size, 0.0F);
     is_held.assign(size, 0);
+    earlier_m.assign(size, 0.0F);
+    earlier_weights.assign(size, 0.0F);
     depths_m.assign(size, 0.0F);
     most_m_.clear();
     begins_.assign(1, 0);
@@ -118,8 +134,15 @@ void SmoothDepths::solve(const SmoothDepthsOptions& options,
                          int num_rounds,
                          float first_outlier_m,
                          [[maybe_unused]] image::RowCode code) {
-    const Problem problem{
-        found_m, weights, is_held, most_m_, begins_, neighbours_.data(), shares_.data()};
+    const Problem problem{found_m,
+                          weights,
+                          is_held,
+                          earlier_m,
+                          earlier_weights,
+                          most_m_,
+                          begins_,
+                          neighbours_.data(),
+                          shares_.data()};
     float outlier_m = first_outlier_m;
     for (int round = 0; round < num_rounds; ++round) {
         outlier_m = std::max(options.outlier_m, kNarrowing * outlier_m);

@@ -2,11 +2,15 @@
 
 #include "core/base/executor.hpp"
 #include "core/image/inverse_depth.hpp"
+#include "tests/support/random.hpp"
 #include "tests/unit/refine/dish_scene.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
 #include <vector>
 
 namespace atrium::refine {
@@ -135,6 +139,92 @@ TEST(PhotoRefinement, MovesNothingThatHasNoContrast) {
     EXPECT_EQ(refinement.sweep().counts().num_accepted, 0U);
     EXPECT_EQ(refined.vertices, scene.hull.vertices);
     EXPECT_EQ(refined.triangles, scene.hull.triangles);
+}
+
+// With other noise in the pictures.
+DishScene with_noise(DishScene scene, std::uint64_t seed) {
+    constexpr double kNoise = 12.0;  // grey levels
+    test::Random random(seed);
+    for (image::YuvImage& picture : scene.pictures) {
+        for (std::uint8_t& y : picture.y.data) {
+            const double noisy = y + test::between(random, -kNoise, kNoise);
+            y = static_cast<std::uint8_t>(std::clamp(noisy, 0.0, 255.0));
+        }
+    }
+    return scene;
+}
+
+// Mean change of the surface over the hollow from one metaframe to the next, along the vertical.
+double flicker_mm(const DishScene& scene, bool remembers) {
+    SerialExecutor executor;
+    PhotoRefinement refinement;
+    NearScratch near;
+    std::vector<float> before;
+    double sum_mm = 0.0;
+    int num = 0;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        const DishScene noisy = with_noise(scene, seed);
+        geometry::TriangleMesh mesh = scene.hull;
+        if (!remembers) refinement.forget();
+        EXPECT_TRUE(refinement.refine(mesh, noisy.views(), executor));
+        std::vector<float> now;
+        for (const double x : {-0.12, -0.06, 0.0, 0.06, 0.12}) {
+            for (const double y : {-0.12, -0.06, 0.0, 0.06, 0.12}) {
+                const Eigen::Vector3d place(x, y, Dish().height_m);
+                now.push_back(refinement.sweep()
+                                  .move_at(place.cast<float>(), Eigen::Vector3f::UnitZ(), near)
+                                  .z());
+            }
+        }
+        for (std::size_t i = 0; i < before.size(); ++i, ++num)
+            sum_mm += 1e3 * std::abs(now[i] - before[i]);
+        before = now;
+    }
+    return sum_mm / num;
+}
+
+TEST(PhotoRefinement, FlickersLessWithTheMeshBefore) {
+    const DishScene scene = film_dish({}, 11, 0.3);
+    EXPECT_LT(flicker_mm(scene, true), 0.7 * flicker_mm(scene, false));
+}
+
+TEST(PhotoRefinement, FollowsASurfaceThatJumps) {
+    Dish shallow;
+    shallow.depth_m = 0.025;
+    const DishScene before = film_dish({}, 12);
+    const DishScene after = film_dish(shallow, 13);
+    SerialExecutor executor;
+    PhotoRefinement refinement;
+    geometry::TriangleMesh mesh = before.hull;
+    ASSERT_TRUE(refinement.refine(mesh, before.views(), executor));
+    ASSERT_GT(error_over_hollow(mesh, shallow).mean_mm, 15.0);
+    mesh = after.hull;
+    ASSERT_TRUE(refinement.refine(mesh, after.views(), executor));
+    geometry::TriangleMesh alone = after.hull;
+    ASSERT_TRUE(PhotoRefinement().refine(alone, after.views(), executor));
+    EXPECT_LT(error_over_hollow(mesh, shallow).mean_mm,
+              error_over_hollow(alone, shallow).mean_mm + 1.0);
+}
+
+TEST(PhotoRefinement, RemembersNothingAfterForgetAndAfterAnInstantWithoutAMesh) {
+    const DishScene other = film_dish({}, 14);
+    const DishScene scene = film_dish({}, 15, 0.3);
+    SerialExecutor executor;
+    geometry::TriangleMesh alone = scene.hull;
+    ASSERT_TRUE(PhotoRefinement().refine(alone, scene.views(), executor));
+    for (const char* how : {"remembers", "forget", "no mesh"}) {
+        PhotoRefinement refinement;
+        geometry::TriangleMesh mesh = other.hull;
+        ASSERT_TRUE(refinement.refine(mesh, other.views(), executor));
+        if (how == std::string("forget")) refinement.forget();
+        if (how == std::string("no mesh")) {
+            geometry::TriangleMesh none;
+            ASSERT_FALSE(refinement.refine(none, scene.views(), executor));
+        }
+        mesh = scene.hull;
+        ASSERT_TRUE(refinement.refine(mesh, scene.views(), executor));
+        EXPECT_EQ(mesh.vertices == alone.vertices, how != std::string("remembers")) << how;
+    }
 }
 
 TEST(PhotoRefinement, ChangesNothingWithoutTwoPicturesOrForOpenMeshes) {

@@ -58,6 +58,29 @@ TEST_F(DepthsOfABox, FollowWhatMostFound) {
     EXPECT_LT(off_m / static_cast<double>(surfels_.size()), 0.004);
 }
 
+TEST_F(DepthsOfABox, AreThoseOfBeforeWhereNothingIsFound) {
+    constexpr float kBefore_m = 0.03F;
+    sut_.earlier_m.assign(surfels_.size(), kBefore_m);
+    sut_.earlier_weights.assign(surfels_.size(), 1.0F);
+    sut_.depths_m = sut_.earlier_m;
+    sut_.solve(options_, 20, kFirstOutlier_m);
+    for (const float depth : sut_.depths_m) EXPECT_NEAR(depth, kBefore_m, 0.001F);
+}
+
+TEST_F(DepthsOfABox, FollowWhatIsFoundNowWhereTheSurfaceJumped) {
+    constexpr float kNow_m = 0.06F;
+    find(0.7, kNow_m);
+    for (std::size_t i = 0; i < surfels_.size(); ++i) {
+        sut_.earlier_m[i] = 0.01F;
+        sut_.earlier_weights[i] = 1.0F;
+        sut_.depths_m[i] = sut_.weights[i] > 0.0F ? sut_.found_m[i] : sut_.earlier_m[i];
+    }
+    sut_.solve(options_, 20, kFirstOutlier_m);
+    double off_m = 0.0;
+    for (const float depth : sut_.depths_m) off_m += std::abs(depth - kNow_m);
+    EXPECT_LT(off_m / static_cast<double>(surfels_.size()), 0.006);
+}
+
 TEST_F(DepthsOfABox, AreHeldOnTheHull) {
     find(1.0, 0.03F);
     sut_.is_held[100] = 1;
@@ -82,6 +105,8 @@ TEST_F(DepthsOfABox, AreTheSameForAllInstructionSets) {
         sut_.found_m[i] = static_cast<float>(test::between(random_, 0.0, 0.1));
         sut_.weights[i] = static_cast<float>(test::between(random_, -1.0, 1.0));
         sut_.is_held[i] = test::between(random_, 0, 9) == 0 ? 1 : 0;
+        sut_.earlier_m[i] = static_cast<float>(test::between(random_, 0.0, 0.1));
+        sut_.earlier_weights[i] = static_cast<float>(test::between(random_, -1.0, 1.0));
     }
     sut_.depths_m = sut_.found_m;
     SmoothDepths fast = sut_;
