@@ -42,6 +42,11 @@ RoomOptions options_of_person(const RoomOptions& options, int index) {
     return own;
 }
 
+double time_of_person_s(const RoomOptions& options, int index, double time_s) {
+    constexpr double kLead = 0.12;  // of a loop
+    return time_s + kLead * index * options.num_frames() / options.rate_hz;
+}
+
 Expected<void> check(const RoomOptions& options) {
     if (!find_look(options.look)) {
         return bad_option(

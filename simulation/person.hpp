@@ -43,6 +43,10 @@ double circle_of_people_m(int num_people);
 /// Returns the options of one of several people, whose look and place are its own.
 RoomOptions options_of_person(const RoomOptions& options, int index);
 
+/// Returns where one of several people is in its motion while the room is at `time_s`: each is
+/// ahead of the one before.
+double time_of_person_s(const RoomOptions& options, int index, double time_s);
+
 /// Checks the options. Error kConfiguration names the option and the allowed values.
 Expected<void> check(const RoomOptions& options);
 

@@ -14,8 +14,6 @@
 namespace atrium::simulation {
 namespace {
 
-constexpr double kLead = 0.12;  // of a loop, by which each person is ahead of the one before
-
 Expected<void> check_cameras(const std::vector<geometry::CalibratedCamera>& cameras) {
     constexpr int kMaxPictureSidePx = 8192;
     if (cameras.empty())
@@ -105,7 +103,7 @@ struct RoomRenderer::Impl {
           room(std::move(made_room)),
           painter(std::move(made_painter)),
           noise(room_options.noise_lsb, room_options.seed),
-          loop_s(room_options.num_frames() / room_options.rate_hz),
+          options(room_options),
           skins(std::max(people.size(), models.size())) {}
 
     std::vector<geometry::CalibratedCamera> cameras;
@@ -115,7 +113,7 @@ struct RoomRenderer::Impl {
     PersonPainter painter;
     SensorNoise noise;
     std::vector<RoomView> views;
-    double loop_s;
+    RoomOptions options;
     std::optional<double> posed_time_s;
     std::vector<PosedSkin> skins;
     std::span<const std::uint8_t> shadow;
@@ -124,7 +122,7 @@ struct RoomRenderer::Impl {
     void pose(double time_s) {
         if (posed_time_s == time_s) return;
         for (std::size_t i = 0; i < skins.size(); ++i) {
-            const double own_s = time_s + kLead * static_cast<double>(i) * loop_s;
+            const double own_s = time_of_person_s(options, static_cast<int>(i), time_s);
             models.empty() ? people[i].pose(own_s, skins[i]) : models[i].pose(own_s, skins[i]);
             painter.set_pose(i, skins[i]);
         }

@@ -43,8 +43,7 @@ public:
                 image::YuvImage& out,
                 image::Mask* true_mask = nullptr);
 
-    /// The person as it is at `time_s` of `render`; only without `RoomOptions::model`. Those after
-    /// the first are ahead of it in their motion.
+    /// Only without `RoomOptions::model`. Its mesh at `time_of_person_s` is what `render` shows.
     const Person& person(std::size_t index = 0) const;
     const std::vector<geometry::CalibratedCamera>& cameras() const;
 

@@ -78,12 +78,12 @@ std::size_t num_set(const image::Mask& mask) {
     return static_cast<std::size_t>(std::count(mask.data.begin(), mask.data.end(), 255));
 }
 
-// All people at `kTimeS`. Each is further ahead in a loop of `lead_s`.
-geometry::TriangleMesh truth_of(const RoomRenderer& renderer, int num_people, double lead_s) {
+// All people at `kTimeS`.
+geometry::TriangleMesh truth_of(const RoomRenderer& renderer, const RoomOptions& options) {
     geometry::TriangleMesh all;
-    for (int i = 0; i < num_people; ++i) {
-        const geometry::TriangleMesh one =
-            renderer.person(static_cast<std::size_t>(i)).mesh(kTimeS + i * lead_s);
+    for (int i = 0; i < options.num_people; ++i) {
+        const double own_s = time_of_person_s(options, i, kTimeS);
+        const geometry::TriangleMesh one = renderer.person(static_cast<std::size_t>(i)).mesh(own_s);
         const auto first = static_cast<std::uint32_t>(all.vertices.size());
         all.vertices.insert(all.vertices.end(), one.vertices.begin(), one.vertices.end());
         for (const auto& [a, b, c] : one.triangles)
@@ -92,8 +92,8 @@ geometry::TriangleMesh truth_of(const RoomRenderer& renderer, int num_people, do
     return all;
 }
 
-void expect_mask_is_projection(RoomRenderer& renderer, int num_people = 1, double lead_s = 0.0) {
-    const geometry::TriangleMesh truth = truth_of(renderer, num_people, lead_s);
+void expect_mask_is_projection(RoomRenderer& renderer, const RoomOptions& options) {
+    const geometry::TriangleMesh truth = truth_of(renderer, options);
     for (std::size_t i = 0; i < renderer.cameras().size(); ++i) {
         image::YuvImage picture;
         image::Mask mask;
@@ -157,7 +157,7 @@ protected:
 std::unique_ptr<RoomRenderer> RoomRendererTest::renderer;
 
 TEST_F(RoomRendererTest, TrueMaskIsTheProjectionOfTheGroundTruth) {
-    expect_mask_is_projection(*renderer);
+    expect_mask_is_projection(*renderer, {});
 }
 
 TEST(RoomRendererPeople, TrueMaskIsTheProjectionOfAll) {
@@ -167,7 +167,7 @@ TEST(RoomRendererPeople, TrueMaskIsTheProjectionOfAll) {
         SCOPED_TRACE(num_people);
         options.num_people = num_people;
         RoomRenderer renderer = make_renderer(ring(3), options);
-        expect_mask_is_projection(renderer, num_people, 0.12 * options.loop_s);
+        expect_mask_is_projection(renderer, options);
         const geometry::TriangleMesh& mesh = renderer.person(1).mesh(kTimeS);
         EXPECT_NE(renderer.person(0).look().name, renderer.person(1).look().name);
         EXPECT_GT((mesh.vertices.front() - renderer.person(0).mesh(kTimeS).vertices.front()).norm(),
@@ -333,7 +333,7 @@ TEST(RoomRenderer, AppliesLensDistortionAndSkew) {
     cameras[1].intrinsics.distortion = {0.12, -0.05, 0.0, 0.002, 0.01};
     cameras[1].intrinsics.cx += 21.0;
     RoomRenderer renderer = make_renderer(cameras, RoomOptions{});
-    expect_mask_is_projection(renderer);
+    expect_mask_is_projection(renderer, {});
 }
 
 TEST(RoomRenderer, TableHidesPartsBehindIt) {
