@@ -113,11 +113,15 @@ std::size_t InwardSweep::paths_of(std::size_t index,
     return num;
 }
 
+// Of the surfels with a depth of before, every second one is swept, in turns.
 void InwardSweep::sweep(std::span<const PictureView> views, Executor& executor) {
     const std::size_t size = surfels_.size();
+    const std::size_t share = earlier_depths_m_.empty() ? 1 : 2;
+    ++turn_;
     scores_.assign(size * kNumSteps, kUnknownScore);
     const auto work = [&](std::size_t chunk, std::size_t) {
         for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
+            if (smooth_.earlier_weights[i] > 0.0F && (i + turn_) % 2 != 0) continue;
             std::array<PatchPath, kMostPaths> paths;
             const std::size_t num = paths_of(i, views, paths);
             if (num == 0) continue;
@@ -128,7 +132,7 @@ void InwardSweep::sweep(std::span<const PictureView> views, Executor& executor) 
                 static_cast<std::size_t>(kMostOfThickness * surfels_[i].thickness_m / step_m);
             // neighbours follow each other in the list, and score the other half of the steps
             score_depths(std::span(paths).first(num),
-                         {.num = kNumSteps, .first = i % 2, .stride = 2},
+                         {.num = kNumSteps, .first = i / share % 2, .stride = 2},
                          {scores(i), std::min(kNumSteps, most + 1)});
         }
     };
@@ -195,8 +199,7 @@ void InwardSweep::accept() {
     }
 }
 
-// The depths that the surface had here in the metaframe before; where nothing is found, the
-// solution starts from them.
+// The depths that the surface had here in the metaframe before.
 void InwardSweep::recall(Executor& executor) {
     constexpr float kNear_m = 0.03F;
     constexpr float kLeastCosine = 0.3F;  // between normals
@@ -220,13 +223,15 @@ void InwardSweep::recall(Executor& executor) {
             if (weight < kLeastWeight) continue;
             smooth_.earlier_m[i] = sum / weight;
             smooth_.earlier_weights[i] = options_.earlier_weight * std::min(1.0F, weight);
-            if (!(smooth_.weights[i] > 0.0F)) smooth_.depths_m[i] = smooth_.earlier_m[i];
         }
     };
     executor.parallel_for(num_chunks(size), work);
 }
 
-void InwardSweep::forget() { earlier_depths_m_.clear(); }
+void InwardSweep::forget() {
+    earlier_depths_m_.clear();
+    turn_ = 0;
+}
 
 // Finds out which surfels lie behind which small part of an outline.
 void InwardSweep::find_outlines(std::span<const PictureView> views) {
@@ -286,12 +291,13 @@ void InwardSweep::find(const geometry::TriangleMesh& mesh,
     surfels_.sample(mesh, centres_site_, options_.surfels, executor);
     counts_.num_surfels = surfels_.size();
     look(mesh, views, executor);
+    smooth_.assign(surfels_);
+    recall(executor);
     sweep(views, executor);
     share_scores(executor);
-    smooth_.assign(surfels_);
     accept();
-    smooth_.depths_m = smooth_.found_m;
-    recall(executor);
+    for (std::size_t i = 0; i < surfels_.size(); ++i)
+        smooth_.depths_m[i] = smooth_.weights[i] > 0.0F ? smooth_.found_m[i] : smooth_.earlier_m[i];
     smooth_.solve(options_.smooth, kNumRounds, kFirstOutlier_m);
     find_outlines(views);
     for (int i = 0; i < kNumHolds; ++i) {

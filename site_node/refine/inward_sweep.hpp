@@ -53,6 +53,7 @@ struct InwardSweepOptions {
 ///
 /// Where the hull's surface has barely moved, the depths of the mesh before count, too: noise and
 /// chance make the surface flicker otherwise, and what the cameras have just seen is not forgotten.
+/// Of the surfels there, half are swept, in turns.
 ///
 /// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
 class InwardSweep {
@@ -116,6 +117,7 @@ private:
     Surfels surfels_;
     Surfels earlier_surfels_;
     std::vector<float> earlier_depths_m_;
+    std::size_t turn_ = 0;
     std::vector<NearScratch> near_;              // per worker
     std::vector<Eigen::Vector3d> centres_site_;  // per view
     std::vector<Eigen::Matrix3d> rotations_;     // per view: camera_from_site
