@@ -272,6 +272,42 @@ TEST(HullStage, MovesTheSurfaceToWhereThePicturesAgree) {
     EXPECT_NEAR(geometry::volume_m3(hull_of(options, pictures, all)), refined_m3, 2e-3 * exact_m3);
 }
 
+// Refined by pictures, the metaframe before counts, also beside a region without anybody.
+TEST(HullStage, RemembersTheMetaframeBeforeUnlessItHadNoHull) {
+    const refine::DishScene before = refine::film_dish({}, 22);
+    const refine::DishScene scene = refine::film_dish({}, 23);
+    HullStageOptions options;
+    options.refine = "photo";
+    for (const bool with_regions : {false, true}) {
+        SCOPED_TRACE(with_regions);
+        if (with_regions) {
+            options.regions = {{"here", {{-0.5, -0.5, -0.1}, {0.5, 0.5, 0.5}}, {}},
+                               {"beside", {{1.0, 1.0, -0.1}, {2.0, 2.0, 0.5}}, {}}};
+        }
+        SerialExecutor executor;
+        const auto make = [&] {
+            auto stage = HullStage::create(scene.cameras, options, kTolerance_px);
+            EXPECT_TRUE(stage) << stage.error().message;
+            for (std::size_t i = 0; i < scene.cameras.size(); ++i)
+                stage->contours(i) = scene.contours[i];
+            return std::move(*stage);
+        };
+        const std::vector<std::uint8_t> all(scene.cameras.size(), 1);
+        const std::vector<std::uint8_t> none(scene.cameras.size(), 0);
+        hull::VisualHull alone;
+        make().compute(all, scene.views(), executor, alone);
+        ASSERT_EQ(alone.status, hull::HullStatus::kOk);
+        for (const bool is_gap : {false, true}) {
+            HullStage stage = make();
+            hull::VisualHull hull;
+            stage.compute(all, before.views(), executor, hull);
+            if (is_gap) stage.compute(none, before.views(), executor, hull);
+            stage.compute(all, scene.views(), executor, hull);
+            EXPECT_EQ(hull.mesh.vertices == alone.mesh.vertices, is_gap);
+        }
+    }
+}
+
 TEST_F(TwoBodies, LoseARegionWithTooFewCamerasUntilTheyReturn) {
     HullStage stage = make_stage();
     std::vector<std::uint8_t> delivered(8, 1);
