@@ -302,11 +302,11 @@ ATRIUM_AVX2 void draw_avx2(std::span<const Eigen::Vector4f> corners,
 
 }  // namespace
 
-float fit_inverse_depth(const Axes& points,
-                        int long_side_px,
-                        std::vector<Eigen::Vector4f>& corners,
-                        InverseDepthPicture& picture,
-                        [[maybe_unused]] RowCode code) {
+void fit_inverse_depth(const Axes& points,
+                       int long_side_px,
+                       std::vector<Eigen::Vector4f>& corners,
+                       InverseDepthPicture& picture,
+                       [[maybe_unused]] RowCode code) {
     constexpr int kBorder = 1;
     Bounds bounds;
 #ifdef ATRIUM_AVX2
@@ -318,24 +318,27 @@ float fit_inverse_depth(const Axes& points,
     corners.resize(points.size());
     if (bounds.low[0] > bounds.high[0]) {  // nothing before the camera
         picture.width = picture.height = 1;
+        picture.scale = 1.0f;
+        picture.origin_px.setZero();
         std::fill(corners.begin(), corners.end(), Eigen::Vector4f::Zero());
-        return 1.0f;
+        return;
     }
     const float width = bounds.high[0] - bounds.low[0];
     const float height = bounds.high[1] - bounds.low[1];
     const float scale =
         static_cast<float>(long_side_px - 1) / std::max(std::max(width, height), 1.0f);
+    picture.scale = scale;
     picture.width = static_cast<int>(width * scale) + 2 + 2 * kBorder;
     picture.height = static_cast<int>(height * scale) + 2 + 2 * kBorder;
     const std::array<float, 2> origin{bounds.low[0] - kBorder / scale,
                                       bounds.low[1] - kBorder / scale};
+    picture.origin_px = {origin[0], origin[1]};
 #ifdef ATRIUM_AVX2
     if (code == RowCode::kAvx2)
         place_avx2(points, origin, scale, corners);
     else
 #endif
         place(points, origin, scale, corners);
-    return scale;
 }
 
 void draw_inverse_depth(std::span<const Eigen::Vector4f> corners,

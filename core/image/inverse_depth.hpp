@@ -21,9 +21,13 @@ namespace atrium::image {
 struct InverseDepthPicture {
     int width = 0;
     int height = 0;
-    std::vector<float> values;  // slightly more than width x height
+    float scale = 1.0f;  // pixels of it per pixel that it has been fitted to
+    Eigen::Vector2f origin_px = Eigen::Vector2f::Zero();  // the latter, at its pixel (0, 0)
+    std::vector<float> values;                            // slightly more than width x height
 
     float at(int x, int y) const { return values[place(x, y)]; }
+    /// Where it shows a pixel of those that it has been fitted to.
+    Eigen::Vector2f place_of(const Eigen::Vector2f& px) const { return (px - origin_px) * scale; }
     /// Largest value of the 3 x 3 pixels around an inner pixel. It extends an occluder by one
     /// pixel, where the camera pictures mix its colour with the background.
     float nearest_around(int x, int y) const {
@@ -47,13 +51,12 @@ private:
 /// Scales the points into a depth picture and sets its size: the long side is `long_side_px` plus a
 /// border of one pixel. Writes the points' positions in it to `corners`. x and y of `points` are
 /// pixels of any picture and z is the inverse depth; points with z <= 0 do not affect the size.
-/// Returns the scale, in pixels of the picture per pixel of `points`. All instruction sets give the
-/// same bits.
-float fit_inverse_depth(const Axes& points,
-                        int long_side_px,
-                        std::vector<Eigen::Vector4f>& corners,
-                        InverseDepthPicture& picture,
-                        RowCode code = best_row_code());
+/// All instruction sets give the same bits.
+void fit_inverse_depth(const Axes& points,
+                       int long_side_px,
+                       std::vector<Eigen::Vector4f>& corners,
+                       InverseDepthPicture& picture,
+                       RowCode code = best_row_code());
 
 /// Rasterises the triangles that face the camera. `corners` has one (x, y, inverse depth, unused)
 /// per vertex, x and y in pixels of the picture. Skips triangles with a corner behind the camera

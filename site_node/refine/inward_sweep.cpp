@@ -19,13 +19,21 @@ using FourScores = float __attribute__((vector_size(16)));
 using Scores = std::array<FourScores, InwardSweep::kNumSteps / 4>;
 
 // Of a camera without distortion: homogeneous pixels from points in its frame.
-Eigen::Matrix3f linear_part(const geometry::PinholeCamera& camera) {
+Eigen::Matrix3d linear_part(const geometry::PinholeCamera& camera) {
     Eigen::Matrix3d px_from_camera;
     px_from_camera << camera.fx, camera.skew, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;
-    return px_from_camera.cast<float>();
+    return px_from_camera;
 }
 
 }  // namespace
+
+// Pixel, without distortion, and inverse depth; 0 behind the camera.
+Eigen::Vector3f InwardSweep::Camera::place_of(const Eigen::Vector3f& point_site) const {
+    Eigen::Vector3f at = px_from_site * point_site + offset;
+    if (!(at.z() > static_cast<float>(kNearest_m))) return Eigen::Vector3f::Zero();
+    const float per_depth = 1.0F / at.z();
+    return {at.x() * per_depth, at.y() * per_depth, per_depth};
+}
 
 // Prepares the pictures, and for each camera which depth is in front.
 void InwardSweep::look(const geometry::TriangleMesh& mesh,
@@ -37,23 +45,12 @@ void InwardSweep::look(const geometry::TriangleMesh& mesh,
         fill(views[index], camera.luma_scratch, camera.luma);
         if (camera.luma.width == 0) return;
         const geometry::CalibratedCamera& calibrated = *views[index].camera;
-        const Eigen::Matrix3f lens = linear_part(calibrated.intrinsics);
-        const Eigen::Matrix3f rotation = rotations_[index].cast<float>();
-        const Eigen::Vector3f translation = calibrated.camera_from_site.translation.cast<float>();
-        const std::size_t num_vertices = mesh.vertices.size();
-        camera.points.resize(num_vertices + surfels_.size());
-        for (std::size_t i = 0; i < camera.points.size(); ++i) {
-            const Eigen::Vector3f site = i < num_vertices
-                                             ? Eigen::Vector3f(mesh.vertices[i].cast<float>())
-                                             : surfels_[i - num_vertices].position_site;
-            const Eigen::Vector3f at = rotation * site + translation;
-            Eigen::Vector3f point = Eigen::Vector3f::Zero();  // inverse depth 0: behind the camera
-            if (at.z() > static_cast<float>(kNearest_m)) {
-                point = lens * at / at.z();
-                point.z() = 1.0F / at.z();
-            }
-            image::set(camera.points, i, point);
-        }
+        const Eigen::Matrix3d lens = linear_part(calibrated.intrinsics);
+        camera.px_from_site = (lens * rotations_[index]).cast<float>();
+        camera.offset = (lens * calibrated.camera_from_site.translation).cast<float>();
+        camera.points.resize(mesh.vertices.size());
+        for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+            image::set(camera.points, i, camera.place_of(mesh.vertices[i].cast<float>()));
         image::fit_inverse_depth(
             camera.points, kDepthPicturePx, camera.corners, camera.inverse_depth);
         image::draw_inverse_depth(camera.corners, mesh.triangles, camera.inverse_depth);
@@ -75,12 +72,17 @@ std::size_t InwardSweep::paths_of(std::size_t index,
         const float cosine = to.dot(surfel.normal) / to.norm();
         if (cosine < options_.least_cosine) continue;
         if (num == kMostPaths && cosine <= best[num - 1].first) continue;
-        const Eigen::Vector4f& place =
-            camera.corners[camera.corners.size() - surfels_.size() + index];
-        if (!(place.z() > 0.0F)) continue;
-        const float nearest = camera.inverse_depth.at(static_cast<int>(place.x() + 0.5F),
-                                                      static_cast<int>(place.y() + 0.5F));
-        if (1.0F / place.z() > 1.0F / std::max(nearest, place.z()) + kHiddenBehind_m) continue;
+        const Eigen::Vector3f seen = camera.place_of(surfel.position_site);
+        if (!(seen.z() > 0.0F)) continue;
+        const image::InverseDepthPicture& drawn = camera.inverse_depth;
+        const Eigen::Vector2f place = drawn.place_of(seen.head<2>()).array() + 0.5F;
+        // beside it where a triangle reaches behind the camera
+        if (!(place.x() >= 0.0F && place.y() >= 0.0F &&
+              place.x() < static_cast<float>(drawn.width) &&
+              place.y() < static_cast<float>(drawn.height)))
+            continue;
+        const float nearest = drawn.at(static_cast<int>(place.x()), static_cast<int>(place.y()));
+        if (1.0F / seen.z() > 1.0F / std::max(nearest, seen.z()) + kHiddenBehind_m) continue;
         num = std::min(num + 1, kMostPaths);
         std::size_t at = num - 1;
         for (; at > 0 && best[at - 1].first < cosine; --at) best[at] = best[at - 1];

@@ -93,11 +93,15 @@ public:
 private:
     // A camera's view of the surfels.
     struct Camera {
+        Eigen::Vector3f place_of(const Eigen::Vector3f& point_site) const;
+
         LumaPicture luma;
         LumaScratch luma_scratch;
-        image::InverseDepthPicture inverse_depth;
-        std::vector<Eigen::Vector4f> corners;  // vertices, then surfels, in `inverse_depth`
-        image::Axes points;
+        Eigen::Matrix3f px_from_site = Eigen::Matrix3f::Zero();  // homogeneous, without distortion
+        Eigen::Vector3f offset = Eigen::Vector3f::Zero();        // likewise
+        image::InverseDepthPicture inverse_depth;                // of the mesh
+        std::vector<Eigen::Vector4f> corners;                    // vertices in it
+        image::Axes points;                                      // vertices
     };
     void look(const geometry::TriangleMesh& mesh,
               std::span<const PictureView> views,

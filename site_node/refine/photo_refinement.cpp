@@ -1,8 +1,11 @@
 #include "site_node/refine/photo_refinement.hpp"
 
+#include "site_node/hull/visual_hull.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace atrium::refine {
@@ -51,10 +54,14 @@ void PhotoRefinement::find_moves(const geometry::TriangleMesh& mesh, Executor& e
 void PhotoRefinement::hold_outlines(const geometry::TriangleMesh& mesh,
                                     std::span<const PictureView> views) {
     on_outlines_.clear();
+    outlines_of_.assign(mesh.vertices.size(), 0);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         if (face_owners_[t] == hull::kNoOwner) continue;
         const auto view = static_cast<std::size_t>(face_owners_[t]);
+        const std::uint64_t bit = std::uint64_t{1} << view;
         for (const std::uint32_t v : mesh.triangles[t]) {
+            if ((outlines_of_[v] & bit) != 0) continue;
+            outlines_of_[v] |= bit;
             const auto bin =
                 outline_bin(*views[view].camera, view, mesh.vertices[v], options_.outline_bin_px);
             if (bin) on_outlines_.push_back({*bin, moves_[v].norm(), v});
@@ -135,6 +142,7 @@ void PhotoRefinement::apply_moves(geometry::TriangleMesh& mesh,
 bool PhotoRefinement::refine(geometry::TriangleMesh& mesh,
                              std::span<const PictureView> views,
                              Executor& executor) {
+    assert(views.size() <= hull::kMaxViews);
     const auto num_pictures =
         static_cast<std::size_t>(std::ranges::count_if(views, [](const PictureView& view) {
             return view.picture.y.data != nullptr && view.mask != nullptr && !view.subject.empty();

@@ -46,7 +46,8 @@ public:
     /// corners (CornerRounding), in place. It remains a closed 2-manifold with the same components;
     /// self-intersections are not checked. Vertices that moved are inside the masks of all views
     /// with a picture. False, and nothing changes, if the mesh is no closed 2-manifold or less than
-    /// two views have pictures; then the mesh before is forgotten.
+    /// two views have pictures; then the mesh before is forgotten. A hull has at most
+    /// hull::kMaxViews views.
     bool refine(geometry::TriangleMesh& mesh,
                 std::span<const PictureView> views,
                 Executor& executor);
@@ -77,6 +78,8 @@ private:
     std::vector<Eigen::Vector3f> moves_;    // per vertex
     std::vector<NearScratch> near_;         // per worker
     std::vector<OutlinePoint> on_outlines_;
+    std::vector<std::uint64_t>
+        outlines_of_;  // per vertex: views whose outlines it lies on, as bits
     std::vector<LongEdge> long_edges_;
     std::vector<SplitEdge> splits_;
     std::vector<std::int32_t> face_owners_;  // per triangle: the camera that made it

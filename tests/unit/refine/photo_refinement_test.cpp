@@ -66,7 +66,9 @@ Bare bare_part(const DishScene& scene, const geometry::TriangleMesh& mesh) {
             const Eigen::Vector2f px = camera.intrinsics.project(at).cast<float>();
             corners.emplace_back(px.x(), px.y(), static_cast<float>(1.0 / at.z()), 0.0F);
         }
-        image::InverseDepthPicture drawn{mask.width, mask.height, {}};
+        image::InverseDepthPicture drawn;
+        drawn.width = mask.width;
+        drawn.height = mask.height;
         image::draw_inverse_depth(corners, mesh.triangles, drawn);
         for (int y = 0; y < mask.height; ++y) {
             for (int x = 0; x < mask.width; ++x) {

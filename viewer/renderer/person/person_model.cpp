@@ -247,7 +247,6 @@ void judge_faces(const CameraStage& stage, PersonModelScratch::Parts& scratch, P
 }
 
 void judge_vertices(const CameraStage& stage,
-                    float depth_scale,
                     PersonModelScratch::Parts& scratch,
                     PersonModel& model) {
     PersonModel::Camera& camera = model.cameras[stage.index];
@@ -255,7 +254,7 @@ void judge_vertices(const CameraStage& stage,
         facing_limits(stage.options),
         static_cast<float>(stage.options.hidden_bias_m),
         static_cast<float>(stage.options.hidden_soft_m),
-        1.0f / (depth_scale * static_cast<float>(stage.picture.camera.intrinsics.fx))};
+        1.0f / (scratch.depth.scale * static_cast<float>(stage.picture.camera.intrinsics.fx))};
     const std::uint8_t* alpha = model.layers.data() + stage.index * layer_bytes(model) + 3;
     const std::int32_t* texels = scratch.texels[stage.index].data();
     const float* most_facing = scratch.most_facing.data();
@@ -321,14 +320,14 @@ void build_person_model(const geometry::TriangleMesh& mesh_site,
         fill_layer(picture, out, out.layers.data() + index * layer_bytes(out));
         const CameraStage stage{picture, index, options};
         project_vertices(stage, out, scratch);
-        const float depth_scale = image::fit_inverse_depth(scratch.projected.undistorted,
-                                                           options.depth_picture_px,
-                                                           scratch.corners,
-                                                           scratch.depth);
+        image::fit_inverse_depth(scratch.projected.undistorted,
+                                 options.depth_picture_px,
+                                 scratch.corners,
+                                 scratch.depth);
         judge_faces(stage, scratch, out);
         image::draw_inverse_depth(
             scratch.corners, std::span(scratch.facing).first(scratch.num_facing), scratch.depth);
-        judge_vertices(stage, depth_scale, scratch, out);
+        judge_vertices(stage, scratch, out);
         ++index;
     }
     compensate_gains(options.gain_compensation, all_scratch.gain_compensation, out);
