@@ -116,6 +116,7 @@ void measure(const std::string& look, const std::string& motion, const Options& 
         const auto refine = [&](const char* shape, geometry::TriangleMesh mesh, double before_ms) {
             SerialExecutor executor;
             const auto refining_start = std::chrono::steady_clock::now();
+            photo.forget();  // the instant before is another pose
             photo.refine(mesh, instant.picture_views(room.cameras()), executor);
             const double ms = before_ms + ms_since(refining_start);
             print({look,
