@@ -258,7 +258,9 @@ void HullStage::refine(geometry::TriangleMesh& mesh,
 }
 
 // What comes after an instant without a hull is somebody else, or somewhere else.
-void HullStage::forget() { std::ranges::for_each(photo_, &refine::PhotoRefinement::forget); }
+void HullStage::forget_surfaces() {
+    std::ranges::for_each(photo_, &refine::PhotoRefinement::forget);
+}
 
 // Each mesh with the views of its hull. Those of `pointers_` are views of `views_`.
 void HullStage::refine(hull::VisualHull& hull,
@@ -300,7 +302,7 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
     if (regions_.empty() && num_delivered < min_delivered_) {
         clear(hull);
         hull.status = hull::HullStatus::kTooFewViews;
-        forget();
+        forget_surfaces();
         return;
     }
     pointers_.clear();
@@ -317,7 +319,7 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
         hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
     }
     if (hull.status != hull::HullStatus::kOk)
-        forget();
+        forget_surfaces();
     else if (rounds_corners_ || moves_to_pictures_)
         refine(hull, pictures, executor);
 }

@@ -109,7 +109,7 @@ private:
                 std::span<const refine::PictureView> pictures,
                 Executor& executor);
     void refine(geometry::TriangleMesh& mesh, refine::PhotoRefinement& photo, Executor& executor);
-    void forget();
+    void forget_surfaces();
     Expected<void> add_regions(std::span<const geometry::CalibratedCamera> cameras,
                                const HullStageOptions& options);
     Expected<void> add_fields(std::span<const geometry::CalibratedCamera> cameras,
