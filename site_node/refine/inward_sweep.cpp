@@ -206,7 +206,7 @@ void InwardSweep::recall(Executor& executor) {
     constexpr float kNear_m = 0.03F;
     constexpr float kLeastCosine = 0.3F;  // between normals
     constexpr float kLeastWeight = 0.1F;
-    if (!(options_.earlier_weight > 0.0F) || earlier_depths_m_.empty()) return;
+    if (earlier_depths_m_.empty()) return;
     const std::size_t size = surfels_.size();
     near_.resize(std::max(near_.size(), executor.num_workers()));
     const auto work = [&](std::size_t chunk, std::size_t worker) {
@@ -224,7 +224,7 @@ void InwardSweep::recall(Executor& executor) {
             }
             if (weight < kLeastWeight) continue;
             smooth_.earlier_m[i] = sum / weight;
-            smooth_.earlier_weights[i] = options_.earlier_weight * std::min(1.0F, weight);
+            smooth_.earlier_weights[i] = std::min(1.0F, weight);
         }
     };
     executor.parallel_for(num_chunks(size), work);

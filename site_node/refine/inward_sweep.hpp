@@ -34,7 +34,6 @@ struct InwardSweepOptions {
 
     SmoothDepthsOptions smooth;
     double outline_bin_px = 8.0;  // in each such part of an outline the person touches the hull
-    float earlier_weight = 1.0F;  // of the depths in the metaframe before; 0: they do not count
 };
 
 /// How far the surface of a person lies below the visual hull, from the pictures: where the hull is
