@@ -3,7 +3,10 @@
 #include "site_node/silhouette/silhouette.hpp"
 #include "tests/support/shapes/bounding_rect.hpp"
 
+#include <fmt/format.h>
+
 #include <cstddef>
+#include <cstdlib>
 #include <utility>
 
 namespace atrium::bench {
@@ -38,6 +41,17 @@ FilmedInstant film(simulation::RoomRenderer& room, double time_s) {
         instant.silhouettes.push_back(std::move(view));
     }
     return instant;
+}
+
+geometry::TriangleMesh hull_of(const FilmedInstant& instant,
+                               hull::HullScratch& scratch,
+                               const std::string& where) {
+    hull::VisualHull hull = hull::compute_visual_hull(instant.silhouettes, {}, scratch);
+    if (hull.status != hull::HullStatus::kOk) {
+        fmt::print(stderr, "{}: no hull: {}\n", where, hull::to_string(hull.status));
+        std::exit(1);
+    }
+    return std::move(hull.mesh);
 }
 
 }  // namespace atrium::bench

@@ -31,7 +31,6 @@ namespace {
 using geometry::SurfaceTree;
 using geometry::TriangleMesh;
 
-constexpr std::array kMotions{"wave", "walk", "push", "kick", "scoop", "carry"};
 constexpr double kLost_m = 0.05;  // a place of a body this far outside of the shape is lost
 
 struct Options {
@@ -144,17 +143,13 @@ void measure(const std::string& look, const std::string& motion, const Options& 
             skins.push_back(room.person(static_cast<std::size_t>(person)).mesh(own_s));
             bodies.emplace_back(skins.back());
         }
-        const hull::VisualHull hull = hull::compute_visual_hull(instant.silhouettes, {}, scratch);
-        if (hull.status != hull::HullStatus::kOk) {
-            fmt::print(stderr, "{} {}: no hull: {}\n", look, motion, hull::to_string(hull.status));
-            std::exit(1);
-        }
-        judge(hull.mesh, skins, bodies, counts["hull"]);
+        const TriangleMesh hull = hull_of(instant, scratch, look + " " + motion);
+        judge(hull, skins, bodies, counts["hull"]);
         const std::vector<refine::PictureView> views = instant.picture_views(room.cameras());
-        TriangleMesh mesh = hull.mesh;
+        TriangleMesh mesh = hull;
         photo.refine(mesh, views, executor);
         judge(mesh, skins, bodies, counts["photo"]);
-        mesh = hull.mesh;
+        mesh = hull;
         rounding.round(mesh, instant.silhouette_pointers());
         round_photo.refine(mesh, views, executor);
         judge(mesh, skins, bodies, counts["round_photo"]);

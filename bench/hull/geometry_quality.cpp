@@ -25,9 +25,6 @@
 namespace atrium::bench {
 namespace {
 
-// Limbs apart, crossed, raised, bent and before the trunk.
-constexpr std::array kMotions{"wave", "walk", "push", "kick", "scoop", "carry"};
-
 struct Options {
     std::filesystem::path rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body_1mp.toml";
     std::string look;  // empty: all
@@ -83,26 +80,18 @@ void measure(const std::string& look, const std::string& motion, const Options& 
         const double time_s = room_options.loop_s * (i + 0.5) / options.instants;
         const FilmedInstant instant = film(room, time_s);
         const auto start = std::chrono::steady_clock::now();
-        const hull::VisualHull hull = hull::compute_visual_hull(instant.silhouettes, {}, scratch);
+        const geometry::TriangleMesh hull =
+            hull_of(instant, scratch, fmt::format("{} {} at {:.2f} s", look, motion, time_s));
         const double hull_ms = ms_since(start);
-        if (hull.status != hull::HullStatus::kOk) {
-            fmt::print(stderr,
-                       "{} {} at {:.2f} s: no hull: {}\n",
-                       look,
-                       motion,
-                       time_s,
-                       hull::to_string(hull.status));
-            std::exit(1);
-        }
         const geometry::TriangleMesh truth = room.person().mesh(time_s);
         print({look,
                motion,
                time_s,
                "hull",
-               hull.mesh.triangles.size(),
+               hull.triangles.size(),
                hull_ms,
-               test::compare_solids(truth, hull.mesh)});
-        geometry::TriangleMesh rounded = hull.mesh;
+               test::compare_solids(truth, hull)});
+        geometry::TriangleMesh rounded = hull;
         const auto rounding_start = std::chrono::steady_clock::now();
         rounding.round(rounded, instant.silhouette_pointers());
         const double rounded_ms = hull_ms + ms_since(rounding_start);
@@ -127,7 +116,7 @@ void measure(const std::string& look, const std::string& motion, const Options& 
                    ms,
                    test::compare_solids(truth, mesh)});
         };
-        refine("photo", hull.mesh, hull_ms);
+        refine("photo", hull, hull_ms);
         refine("round_photo", rounded, rounded_ms);
     }
 }

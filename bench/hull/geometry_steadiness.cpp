@@ -29,7 +29,6 @@
 namespace atrium::bench {
 namespace {
 
-constexpr std::array kMotions{"wave", "walk", "push", "kick", "scoop", "carry"};
 constexpr int kNumPlaces = 2000;
 constexpr double kMillimetres = 1e3;
 
@@ -83,7 +82,6 @@ std::vector<double> depths_mm(const geometry::TriangleMesh& skin,
 struct Steadiness {
     std::vector<double> before_mm;
     std::vector<double> changes_mm;
-
     double out_mm = 0.0;  // mean distance of places that lie inside the shape, and outside of it
     double in_mm = 0.0;
     int num = 0;
@@ -131,21 +129,17 @@ void measure(const std::string& look, const std::string& motion, const Options& 
         const auto add = [&](const char* shape, const geometry::TriangleMesh& mesh) {
             shapes[shape].add(depths_mm(skin, places, mesh));
         };
-        const hull::VisualHull hull = hull::compute_visual_hull(instant.silhouettes, {}, scratch);
-        if (hull.status != hull::HullStatus::kOk) {
-            fmt::print(stderr, "{} {}: no hull: {}\n", look, motion, hull::to_string(hull.status));
-            std::exit(1);
-        }
-        add("hull", hull.mesh);
-        geometry::TriangleMesh rounded = hull.mesh;
+        const geometry::TriangleMesh hull = hull_of(instant, scratch, look + " " + motion);
+        add("hull", hull);
+        geometry::TriangleMesh rounded = hull;
         rounding.round(rounded, instant.silhouette_pointers());
         add("rounded", rounded);
         const std::vector<refine::PictureView> views = instant.picture_views(room.cameras());
-        geometry::TriangleMesh mesh = hull.mesh;
+        geometry::TriangleMesh mesh = hull;
         forgetful.forget();
         forgetful.refine(mesh, views, executor);
         add("photo alone", mesh);
-        mesh = hull.mesh;
+        mesh = hull;
         photo.refine(mesh, views, executor);
         add("photo", mesh);
         round_photo.refine(rounded, views, executor);
