@@ -1,5 +1,7 @@
 #include "site_node/refine/inward_sweep.hpp"
 
+#include "site_node/refine/colour_clash.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -58,10 +60,10 @@ void InwardSweep::look(const geometry::TriangleMesh& mesh,
     executor.parallel_for(views.size(), prepare);
 }
 
-// The paths in the unoccluded cameras that face the surfel most; returns their number.
-std::size_t InwardSweep::paths_of(std::size_t index,
+// The unoccluded cameras that face the surfel most; returns their number.
+std::size_t InwardSweep::seers_of(std::size_t index,
                                   std::span<const PictureView> views,
-                                  std::array<PatchPath, kMostPaths>& paths) const {
+                                  Seers& seers) const {
     const Surfel& surfel = surfels_[index];
     std::array<std::pair<float, std::size_t>, kMostPaths> best{};  // cosine, view; in falling order
     std::size_t num = 0;
@@ -88,15 +90,26 @@ std::size_t InwardSweep::paths_of(std::size_t index,
         for (; at > 0 && best[at - 1].first < cosine; --at) best[at] = best[at - 1];
         best[at] = {cosine, i};
     }
+    for (std::size_t k = 0; k < num; ++k) seers[k] = best[k].second;
+    return num;
+}
+
+// The paths in these cameras; returns their number.
+std::size_t InwardSweep::paths_of(std::size_t index,
+                                  std::span<const PictureView> views,
+                                  std::array<PatchPath, kMostPaths>& paths) const {
+    const Surfel& surfel = surfels_[index];
+    Seers seers;
+    const std::size_t num = seers_of(index, views, seers);
     if (num < 2) return 0;
     const Eigen::Vector3d position = surfel.position_site.cast<double>();
     const Eigen::Vector3d normal = surfel.normal.cast<double>();
     const Eigen::Vector3d column = double{options_.sample_spacing_m} * normal.unitOrthogonal();
     const Eigen::Vector3d row = normal.cross(column);
     for (std::size_t k = 0; k < num; ++k) {
-        const geometry::CalibratedCamera& camera = *views[best[k].second].camera;
-        const LumaPicture& luma = cameras_[best[k].second].luma;
-        const Eigen::Matrix3d& rotation = rotations_[best[k].second];
+        const geometry::CalibratedCamera& camera = *views[seers[k]].camera;
+        const LumaPicture& luma = cameras_[seers[k]].luma;
+        const Eigen::Matrix3d& rotation = rotations_[seers[k]];
         const Eigen::Vector3d first = rotation * position + camera.camera_from_site.translation;
         const Eigen::Vector3d last = first - double{options_.most_depth_m} * (rotation * normal);
         if (!(last.z() > kNearest_m)) return 0;
@@ -113,6 +126,41 @@ std::size_t InwardSweep::paths_of(std::size_t index,
         path.row_px = place(first + rotation * row) - path.first_px;
     }
     return num;
+}
+
+// How far the colours that the cameras show at a surfel differ; negative if less than two see it.
+float InwardSweep::clash_of(std::size_t index, std::span<const PictureView> views) const {
+    Seers seers;
+    const std::size_t num = seers_of(index, views, seers);
+    std::array<Eigen::Vector3f, kMostPaths> colours;
+    std::size_t num_colours = 0;
+    for (std::size_t k = 0; k < num; ++k) {
+        const PictureView& view = views[seers[k]];
+        const LumaPicture& luma = cameras_[seers[k]].luma;
+        const Eigen::Vector3d at =
+            rotations_[seers[k]] * surfels_[index].position_site.cast<double>() +
+            view.camera->camera_from_site.translation;
+        const geometry::PinholeCamera& lens = view.camera->intrinsics;
+        const auto colour = colour_at(view, luma, luma.place(lens.distort(lens.project(at))));
+        if (colour) colours[num_colours++] = *colour;
+    }
+    if (num_colours < 2) return -1.0F;
+    return colour_clash(std::span(colours).first(num_colours));
+}
+
+void InwardSweep::find_phantoms(std::span<const PictureView> views, Executor& executor) {
+    const std::span<const std::uint32_t> unneeded = phantom_parts_.find_unneeded(surfels_, views);
+    clashes_.resize(unneeded.size());
+    const auto look = [&](std::size_t chunk, std::size_t) {
+        for (std::size_t k = chunk * kChunk; k < std::min(unneeded.size(), (chunk + 1) * kChunk);
+             ++k)
+            clashes_[k] = clash_of(unneeded[k], views);
+    };
+    executor.parallel_for(num_chunks(unneeded.size()), look);
+    std::swap(phantoms_, earlier_phantoms_);
+    phantoms_.assign(surfels_.size(), 0.0F);
+    for (const std::uint32_t i : phantom_parts_.find_clashing(surfels_, clashes_))
+        phantoms_[i] = 1.0F;
 }
 
 // Of the surfels with a depth of before, every second one is swept, in turns.
@@ -201,11 +249,13 @@ void InwardSweep::accept() {
     }
 }
 
-// The depths that the surface had here in the metaframe before.
+// The depths that the surface had here in the metaframe before. What is doubtful comes and goes
+// within some metaframes instead of at once.
 void InwardSweep::recall(Executor& executor) {
     constexpr float kNear_m = 0.03F;
     constexpr float kLeastCosine = 0.3F;  // between normals
     constexpr float kLeastWeight = 0.1F;
+    constexpr float kEarlierPhantom = 0.7F;
     if (earlier_depths_m_.empty()) return;
     const std::size_t size = surfels_.size();
     near_.resize(std::max(near_.size(), executor.num_workers()));
@@ -214,15 +264,18 @@ void InwardSweep::recall(Executor& executor) {
         for (std::size_t i = chunk * kChunk; i < std::min(size, (chunk + 1) * kChunk); ++i) {
             earlier_surfels_.near(surfels_[i].position_site, kNear_m, near);
             float sum = 0.0F;
+            float phantom = 0.0F;
             float weight = 0.0F;
             for (const NearSurfel& there : near.found) {
                 const float cosine = earlier_surfels_[there.surfel].normal.dot(surfels_[i].normal);
                 if (cosine < kLeastCosine) continue;
                 const float own = cosine * falling_weight(there.distance_sq / (kNear_m * kNear_m));
                 sum += own * earlier_depths_m_[there.surfel];
+                phantom += own * earlier_phantoms_[there.surfel];
                 weight += own;
             }
             if (weight < kLeastWeight) continue;
+            phantoms_[i] += kEarlierPhantom * (phantom / weight - phantoms_[i]);
             smooth_.earlier_m[i] = sum / weight;
             smooth_.earlier_weights[i] = std::min(1.0F, weight);
         }
@@ -257,6 +310,7 @@ void InwardSweep::find_outlines(std::span<const PictureView> views) {
 // least deep, and the cameras agree there already.
 void InwardSweep::hold() {
     constexpr float kDisagreement_m = 0.01F;  // a score of 0 costs as much as this depth
+    constexpr float kPhantom_m = 1.0F;        // holds only if there is nothing else
     std::ranges::fill(smooth_.is_held, std::uint8_t{0});
     counts_.num_held = 0;
     for (auto first = on_outlines_.begin(); first != on_outlines_.end();) {
@@ -265,7 +319,8 @@ void InwardSweep::hold() {
         const std::uint64_t bin = first->bin;
         for (; first != on_outlines_.end() && first->bin == bin; ++first) {
             const float score = std::max(shared_scores_[first->index * kNumSteps], 0.0F);
-            const float cost = smooth_.depths_m[first->index] + kDisagreement_m * (1.0F - score);
+            const float cost = smooth_.depths_m[first->index] + kDisagreement_m * (1.0F - score) +
+                               kPhantom_m * phantoms_[first->index];
             if (!(cost < least)) continue;
             least = cost;
             best = first->index;
@@ -294,6 +349,7 @@ void InwardSweep::find(const geometry::TriangleMesh& mesh,
     counts_.num_surfels = surfels_.size();
     look(mesh, views, executor);
     smooth_.assign(surfels_);
+    find_phantoms(views, executor);
     recall(executor);
     sweep(views, executor);
     share_scores(executor);
@@ -309,14 +365,16 @@ void InwardSweep::find(const geometry::TriangleMesh& mesh,
     earlier_depths_m_ = smooth_.depths_m;
     for (const float depth : smooth_.depths_m)
         counts_.mean_depth_m += double{depth} / static_cast<double>(surfels_.size());
+    counts_.num_phantoms = static_cast<std::size_t>(
+        std::ranges::count_if(phantoms_, [](float p) { return p > 0.5F; }));
 }
 
-Eigen::Vector3f InwardSweep::move_at(const Eigen::Vector3f& point_site,
-                                     const Eigen::Vector3f& normal,
-                                     NearScratch& scratch) const {
+InwardSweep::Move InwardSweep::move_at(const Eigen::Vector3f& point_site,
+                                       const Eigen::Vector3f& normal,
+                                       NearScratch& scratch) const {
     const float radius = 1.4F * options_.surfels.spacing_m;
     const float radius_sq = radius * radius;
-    Eigen::Vector3f move = Eigen::Vector3f::Zero();
+    Move sum;
     float weight = 0.0F;
     surfels_.near(point_site, radius, scratch);
     for (const NearSurfel& there : scratch.found) {
@@ -325,11 +383,12 @@ Eigen::Vector3f InwardSweep::move_at(const Eigen::Vector3f& point_site,
         if (cosine <= 0.0F) continue;
         const float near = falling_weight(there.distance_sq / radius_sq);
         const float own = (0.2F + cosine) * near * near;
-        move -= own * smooth_.depths_m[there.surfel] * surfel.normal;
+        sum.by_m -= own * smooth_.depths_m[there.surfel] * surfel.normal;
+        sum.phantom += own * phantoms_[there.surfel];
         weight += own;
     }
-    return weight > 0.0F ? Eigen::Vector3f(move / weight)
-                         : Eigen::Vector3f(Eigen::Vector3f::Zero());
+    if (!(weight > 0.0F)) return {};
+    return {sum.by_m / weight, sum.phantom / weight};
 }
 
 }  // namespace atrium::refine

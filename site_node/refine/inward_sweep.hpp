@@ -7,6 +7,7 @@
 #include "site_node/refine/luma_picture.hpp"
 #include "site_node/refine/outline_bins.hpp"
 #include "site_node/refine/patch_scores.hpp"
+#include "site_node/refine/phantom_parts.hpp"
 #include "site_node/refine/smooth_depths.hpp"
 #include "site_node/refine/surfels.hpp"
 
@@ -32,6 +33,7 @@ struct InwardSweepOptions {
     float least_lead = 0.05F;
     std::size_t least_steps_apart = 3;
 
+    PhantomPartsOptions phantoms;
     SmoothDepthsOptions smooth;
     double outline_bin_px = 8.0;  // in each such part of an outline the person touches the hull
 };
@@ -54,19 +56,24 @@ struct InwardSweepOptions {
 /// chance make the surface flicker otherwise, and what the cameras have just seen is not forgotten.
 /// Of the surfels there, half are swept, in turns.
 ///
+/// Parts that no silhouette needs, and of which the cameras show different things (PhantomParts),
+/// hold nothing, and are told to whoever moves the mesh.
+///
 /// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
 class InwardSweep {
 public:
     /// Over `most_depth_m`, evenly.
     static constexpr std::size_t kNumSteps = 16;
 
-    explicit InwardSweep(const InwardSweepOptions& options = {}) : options_(options) {}
+    explicit InwardSweep(const InwardSweepOptions& options = {})
+        : options_(options), phantom_parts_(options.phantoms) {}
 
     struct Counts {
         std::size_t num_surfels = 0;
         std::size_t num_swept = 0;     // with a score of its own or of a neighbour
         std::size_t num_accepted = 0;  // with a clear best step
         std::size_t num_held = 0;      // on the hull, by an outline
+        std::size_t num_phantoms = 0;  // in parts that nobody has
         double mean_depth_m = 0.0;
     };
 
@@ -80,10 +87,14 @@ public:
     /// Forgets the mesh before.
     void forget();
 
-    /// By how much a point of the hull moves [m]; `normal` is that of the surface there.
-    Eigen::Vector3f move_at(const Eigen::Vector3f& point_site,
-                            const Eigen::Vector3f& normal,
-                            NearScratch& scratch) const;
+    struct Move {
+        Eigen::Vector3f by_m = Eigen::Vector3f::Zero();
+        float phantom = 0.0F;  // how surely it belongs to a part that nobody has: 0 to 1
+    };
+    /// How a point of the hull moves; `normal` is that of the surface there.
+    Move move_at(const Eigen::Vector3f& point_site,
+                 const Eigen::Vector3f& normal,
+                 NearScratch& scratch) const;
 
     const Surfels& surfels() const { return surfels_; }
     float depth_m(std::size_t surfel) const { return smooth_.depths_m[surfel]; }
@@ -105,9 +116,15 @@ private:
     void look(const geometry::TriangleMesh& mesh,
               std::span<const PictureView> views,
               Executor& executor);
+    using Seers = std::array<std::size_t, kMostPaths>;  // views
+    std::size_t seers_of(std::size_t surfel,
+                         std::span<const PictureView> views,
+                         Seers& seers) const;
     std::size_t paths_of(std::size_t surfel,
                          std::span<const PictureView> views,
                          std::array<PatchPath, kMostPaths>& paths) const;
+    float clash_of(std::size_t surfel, std::span<const PictureView> views) const;
+    void find_phantoms(std::span<const PictureView> views, Executor& executor);
     void sweep(std::span<const PictureView> views, Executor& executor);
     void share_scores(Executor& executor);
     void accept();
@@ -120,6 +137,7 @@ private:
     Surfels surfels_;
     Surfels earlier_surfels_;
     std::vector<float> earlier_depths_m_;
+    std::vector<float> earlier_phantoms_;
     std::size_t turn_ = 0;
     std::vector<NearScratch> near_;              // per worker
     std::vector<Eigen::Vector3d> centres_site_;  // per view
@@ -127,6 +145,9 @@ private:
     std::vector<Camera> cameras_;
     std::vector<float> scores_;         // per surfel and step
     std::vector<float> shared_scores_;  // the same, with those of the neighbours
+    PhantomParts phantom_parts_;
+    std::vector<float> clashes_;   // of parts that no silhouette needs
+    std::vector<float> phantoms_;  // per surfel: 0 to 1
     SmoothDepths smooth_;
     std::vector<OutlinePoint> on_outlines_;  // surfels, by their parts of outlines
     Counts counts_;

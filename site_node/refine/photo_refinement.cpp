@@ -39,10 +39,14 @@ void PhotoRefinement::find_moves(const geometry::TriangleMesh& mesh, Executor& e
         for (const std::uint32_t v : {a, b, c}) normals_[v] += doubled;
     }
     moves_.resize(size);
+    phantoms_.resize(size);
     const auto work = [&](std::size_t chunk, std::size_t worker) {
         for (std::size_t v = chunk * kChunk; v < std::min(size, (chunk + 1) * kChunk); ++v) {
             normals_[v].normalize();
-            moves_[v] = sweep_.move_at(mesh.vertices[v].cast<float>(), normals_[v], near_[worker]);
+            const InwardSweep::Move move =
+                sweep_.move_at(mesh.vertices[v].cast<float>(), normals_[v], near_[worker]);
+            moves_[v] = move.by_m;
+            phantoms_[v] = move.phantom;
         }
     };
     executor.parallel_for(num_chunks(size), work);
@@ -87,7 +91,7 @@ bool PhotoRefinement::split_bent_edges(geometry::TriangleMesh& mesh,
             const std::uint32_t b = triangle[(k + 1) % 3];
             if (a < b && b >= first_new &&
                 (mesh.vertices[a] - mesh.vertices[b]).squaredNorm() > most_sq)
-                long_edges_.push_back({{a, b, 0}});
+                long_edges_.emplace_back().edge = {a, b, 0};
         }
     }
     const auto look = [&](std::size_t chunk, std::size_t worker) {
@@ -98,7 +102,8 @@ bool PhotoRefinement::split_bent_edges(geometry::TriangleMesh& mesh,
             at.normal = (normals_[a] + normals_[b]).normalized();
             const Eigen::Vector3d place = 0.5 * (mesh.vertices[a] + mesh.vertices[b]);
             at.move = sweep_.move_at(place.cast<float>(), at.normal, near_[worker]);
-            at.bends = (at.move - 0.5F * (moves_[a] + moves_[b])).norm() > options_.least_bend_m;
+            at.bends =
+                (at.move.by_m - 0.5F * (moves_[a] + moves_[b])).norm() > options_.least_bend_m;
         }
     };
     executor.parallel_for(num_chunks(long_edges_.size()), look);
@@ -110,13 +115,26 @@ bool PhotoRefinement::split_bent_edges(geometry::TriangleMesh& mesh,
         mesh.vertices.emplace_back(0.5 *
                                    (mesh.vertices[at.edge.low] + mesh.vertices[at.edge.high]));
         normals_.push_back(at.normal);
-        moves_.push_back(at.move);
+        moves_.push_back(at.move.by_m);
+        phantoms_.push_back(at.move.phantom);
     }
     std::ranges::sort(splits_, [](const SplitEdge& a, const SplitEdge& b) {
         return a.low != b.low ? a.low < b.low : a.high < b.high;
     });
     split_edges(splits_, mesh, face_owners_);
     return !splits_.empty();
+}
+
+void PhotoRefinement::shrink_phantoms(const geometry::TriangleMesh& mesh) {
+    // a vertex with a phantom on one side only stays
+    for (float& phantom : phantoms_) phantom = std::clamp(2.0F * phantom - 0.5F, 0.0F, 1.0F);
+    if (std::ranges::none_of(phantoms_, [](float phantom) { return phantom > 0.0F; })) return;
+    places_.clear();
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        places_.push_back(mesh.vertices[v].cast<float>() + moves_[v]);
+    membrane_.shrink(mesh.triangles, phantoms_, places_);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        if (phantoms_[v] > 0.0F) moves_[v] = places_[v] - mesh.vertices[v].cast<float>();
 }
 
 // Where a part is thinner than the surfels say, its surface moves less far.
@@ -164,6 +182,7 @@ bool PhotoRefinement::refine(geometry::TriangleMesh& mesh,
         first_new = num_before;
     }
     hold_outlines(mesh, views);
+    shrink_phantoms(mesh);
     apply_moves(mesh, views, executor);
     return true;
 }

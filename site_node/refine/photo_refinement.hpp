@@ -3,6 +3,7 @@
 #include "core/base/executor.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/refine/inward_sweep.hpp"
+#include "site_node/refine/membrane.hpp"
 #include "site_node/refine/split_edges.hpp"
 
 #include <Eigen/Core>
@@ -34,6 +35,8 @@ struct PhotoRefinementOptions {
 /// (InwardSweep): into hollows that no silhouette shows, and out of the volume that the hull adds
 /// where few cameras look.
 ///
+/// Parts that nobody has (PhantomParts) shrink to where they grow out of the body.
+///
 /// It remembers the mesh before: give the metaframes of one place to one object, in their order.
 ///
 /// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
@@ -61,13 +64,14 @@ private:
     struct LongEdge {
         SplitEdge edge;
         Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-        Eigen::Vector3f move = Eigen::Vector3f::Zero();
+        InwardSweep::Move move;
         bool bends = false;
     };
 
     void find_moves(const geometry::TriangleMesh& mesh, Executor& executor);
     void hold_outlines(const geometry::TriangleMesh& mesh, std::span<const PictureView> views);
     bool split_bent_edges(geometry::TriangleMesh& mesh, std::size_t first_new, Executor& executor);
+    void shrink_phantoms(const geometry::TriangleMesh& mesh);
     void apply_moves(geometry::TriangleMesh& mesh,
                      std::span<const PictureView> views,
                      Executor& executor) const;
@@ -76,7 +80,10 @@ private:
     InwardSweep sweep_;
     std::vector<Eigen::Vector3f> normals_;  // per vertex
     std::vector<Eigen::Vector3f> moves_;    // per vertex
-    std::vector<NearScratch> near_;         // per worker
+    std::vector<float> phantoms_;           // per vertex: 0 to 1
+    Membrane membrane_;
+    std::vector<Eigen::Vector3f> places_;  // per vertex
+    std::vector<NearScratch> near_;        // per worker
     std::vector<OutlinePoint> on_outlines_;
     std::vector<std::uint64_t>
         outlines_of_;  // per vertex: views whose outlines it lies on, as bits

@@ -175,7 +175,7 @@ double flicker_mm(const DishScene& scene, bool remembers) {
                 const Eigen::Vector3d place(x, y, Dish().height_m);
                 now.push_back(refinement.sweep()
                                   .move_at(place.cast<float>(), Eigen::Vector3f::UnitZ(), near)
-                                  .z());
+                                  .by_m.z());
             }
         }
         for (std::size_t i = 0; i < before.size(); ++i, ++num)
