@@ -15,11 +15,11 @@ namespace atrium::refine {
 
 struct PhantomPartsOptions {
     /// Parts thinner than each of these are judged against all that is thicker, in falling order.
-    std::array<float, 2> thin_m = {0.05F, 0.03F};
+    std::array<float, 2> thin_m = {0.035F, 0.025F};
     float edge_m = 0.015F;          // the edge of a thin part is this near to it
-    float beside_m = 0.04F;         // nothing goes that is this near to a part that is needed
+    float beside_m = 0.05F;         // nothing goes that is this near to a part that is needed
     float outline_piece_m = 0.06F;  // an outline is judged in pieces of this size
-    float least_clash = 45.0F;      // between the colours of a part that goes [grey levels]
+    float least_clash = 50.0F;      // between the colours of a part that goes [grey levels]
 };
 
 /// Finds parts of a visual hull that nobody has: thin ones that grow out of the body where the
