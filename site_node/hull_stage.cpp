@@ -1,6 +1,7 @@
 #include "site_node/hull_stage.hpp"
 
 #include "core/base/fnv1a.hpp"
+#include "core/base/timestamp.hpp"
 #include "core/bus/limits.hpp"
 #include "core/config/rig.hpp"
 #include "core/config/spelling.hpp"
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 
 namespace atrium::site_node {
@@ -297,6 +299,7 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
                         std::span<const refine::PictureView> pictures,
                         Executor& executor,
                         hull::VisualHull& hull) {
+    refinement_ms_ = 0.0;
     const auto num_delivered = static_cast<std::size_t>(
         std::count_if(delivered.begin(), delivered.end(), [](std::uint8_t d) { return d != 0; }));
     if (regions_.empty() && num_delivered < min_delivered_) {
@@ -318,10 +321,13 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
     } else {
         hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
     }
-    if (hull.status != hull::HullStatus::kOk)
+    if (hull.status != hull::HullStatus::kOk) {
         forget_surfaces();
-    else if (rounds_corners_ || moves_to_pictures_)
+    } else if (rounds_corners_ || moves_to_pictures_) {
+        const auto begin = std::chrono::steady_clock::now();
         refine(hull, pictures, executor);
+        refinement_ms_ = milliseconds(std::chrono::steady_clock::now() - begin);
+    }
 }
 
 }  // namespace atrium::site_node

@@ -97,6 +97,9 @@ public:
 
     bool uses_pictures() const { return moves_to_pictures_; }
 
+    /// How long the refinement of the last hull took, part of `compute`; 0 if nothing was refined.
+    double refinement_ms() const { return refinement_ms_; }
+
     const std::vector<hull::Region>& regions() const { return regions_; }
 
     /// The parts of the last hull, in the order of the regions; empty without regions.
@@ -127,6 +130,7 @@ private:
     hull::RegionScratch region_scratch_;
     bool rounds_corners_ = false;
     bool moves_to_pictures_ = false;
+    double refinement_ms_ = 0.0;
     hull::CornerRounding rounding_;
     std::vector<refine::PhotoRefinement> photo_;  // per region, or one; each has its memory
     // of the mesh that is refined

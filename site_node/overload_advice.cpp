@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace atrium::site_node {
 namespace {
@@ -35,18 +36,22 @@ std::string overload_advice(const Overload& overload, atrium::status::Cause caus
                           "capture.rate_hz = {:g}",
                           suggested_hz(overload.done_hz));
     }
+    std::vector<std::string> remedies;
+    if (!overload.largest_work->remedy.empty()) remedies.push_back(overload.largest_work->remedy);
     const bool has_free_cores = cause != Cause::kMachine && overload.threads < overload.num_cores;
     if (has_free_cores) {
-        text += fmt::format("; raise site.threads to {} ({:.1f} of {} cores are used), or",
-                            std::max(overload.threads + 1, overload.num_cores - 1),
-                            overload.cores_used,
-                            overload.num_cores);
+        remedies.push_back(fmt::format("raise site.threads to {} ({:.1f} of {} cores are used)",
+                                       std::max(overload.threads + 1, overload.num_cores - 1),
+                                       overload.cores_used,
+                                       overload.num_cores));
     } else if (cause == Cause::kMachine) {
-        text += "; run fewer programs on this host, or";
+        remedies.emplace_back("run fewer programs on this host");
     } else {
-        text += "; use fewer or smaller pictures, or";
+        remedies.emplace_back("use fewer or smaller pictures");
     }
-    return text + fmt::format(" set capture.rate_hz = {:g}", suggested_hz(overload.done_hz));
+    return text + fmt::format("; {}, or set capture.rate_hz = {:g}",
+                              fmt::join(remedies, ", "),
+                              suggested_hz(overload.done_hz));
 }
 
 }  // namespace atrium::site_node

@@ -345,7 +345,9 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     if (auto failed = failure_without_mesh(frame, has_own_hull()); !failed) return failed;
     if (!frame.draco.empty()) name_remote_textures(silhouettes.metaframe_, frame);
     sum_up(silhouettes, frame);
-    frame.work_milliseconds.hull = milliseconds_between(hull_begin, encode_begin);
+    frame.work_milliseconds.refinement = hull_.refinement_ms();
+    frame.work_milliseconds.hull =
+        milliseconds_between(hull_begin, encode_begin) - hull_.refinement_ms();
     frame.work_milliseconds.waiting = milliseconds_between(wait_begin, wait_end);
     const auto end = Clock::now();
     frame.milliseconds = {

@@ -76,7 +76,8 @@ struct SiteFrame {
     struct WorkMilliseconds {
         double segmentation = 0.0;  // includes the conversion of raw pictures
         double polygons = 0.0;
-        double hull = 0.0;
+        double hull = 0.0;  // without its refinement
+        double refinement = 0.0;
         double mesh = 0.0;
         double textures = 0.0;
         double waiting = 0.0;  // for hosts of regions

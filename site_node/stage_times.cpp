@@ -7,14 +7,16 @@
 namespace atrium::site_node {
 namespace {
 
-constexpr std::size_t kNumStages = 6;
+constexpr std::size_t kNumStages = 7;
 constexpr std::chrono::seconds kForget{3};
 constexpr std::array<const char*, kNumStages> kStageNames{"segmentation",
                                                           "polygons",
                                                           "the hull",
+                                                          "the refinement of the hull",
                                                           "the coding of meshes",
                                                           "the coding of textures",
                                                           "waiting for hosts of regions"};
+constexpr std::size_t kRefinement = 3;  // in `kStageNames`
 
 }  // namespace
 
@@ -22,8 +24,13 @@ void StageTimes::computed(const SiteFrame& frame) {
     const SiteFrame::Milliseconds& milliseconds = frame.milliseconds;
     const SiteFrame::WorkMilliseconds& work = frame.work_milliseconds;
     const std::lock_guard lock(mutex_);
-    const std::array<double, kNumStages> spent{
-        work.segmentation, work.polygons, work.hull, work.mesh, work.textures, work.waiting};
+    const std::array<double, kNumStages> spent{work.segmentation,
+                                               work.polygons,
+                                               work.hull,
+                                               work.refinement,
+                                               work.mesh,
+                                               work.textures,
+                                               work.waiting};
     for (std::size_t i = 0; i < kNumStages; ++i) work_ms_[i] += spent[i];
     silhouettes_.add(from_milliseconds(milliseconds.silhouettes));
     hull_.add(from_milliseconds(milliseconds.hull));
@@ -36,7 +43,10 @@ std::optional<StageTimes::Work> StageTimes::largest_work() {
     const auto largest = std::max_element(work_ms_.begin(), work_ms_.end());
     if (!(sum > 0.0)) return std::nullopt;
     const auto index = static_cast<std::size_t>(largest - work_ms_.begin());
-    const Work work{kStageNames[index], *largest / sum, index + 1 == kNumStages};
+    const Work work{kStageNames[index],
+                    *largest / sum,
+                    index + 1 == kNumStages,
+                    index == kRefinement ? "set hull.refine = \"off\"" : ""};
     work_ms_ = {};
     return work;
 }

@@ -29,6 +29,7 @@ public:
         std::string name;
         double share = 0.0;    // of the work of all stages
         bool is_wait = false;  // for other hosts
+        std::string remedy;    // an option that saves this work; empty: there is none
     };
     /// The stage with the most work; nullopt without any.
     std::optional<Work> largest_work();
@@ -40,7 +41,7 @@ public:
 
 private:
     mutable std::mutex mutex_;
-    std::array<double, 6> work_ms_{};  // since the last largest_work
+    std::array<double, 7> work_ms_{};  // since the last largest_work
     LatencyWindow silhouettes_;
     LatencyWindow hull_;
     LatencyWindow coding_;

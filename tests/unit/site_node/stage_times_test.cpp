@@ -54,6 +54,13 @@ TEST(StageTimes, NameTheStageWithMostWork) {
     EXPECT_EQ(work->name, "segmentation");
     EXPECT_DOUBLE_EQ(work->share, 0.6);
     EXPECT_FALSE(work->is_wait);
+    EXPECT_EQ(work->remedy, "");
+    frame.work_milliseconds.refinement = 40.0;
+    times.computed(frame);
+    const auto refined = times.largest_work();
+    EXPECT_EQ(refined->name, "the refinement of the hull");
+    EXPECT_EQ(refined->remedy, "set hull.refine = \"off\"");
+    EXPECT_FALSE(refined->is_wait);
     frame.work_milliseconds.waiting = 50.0;
     times.computed(frame);
     EXPECT_TRUE(times.largest_work()->is_wait);
@@ -74,6 +81,11 @@ TEST(OverloadAdvice, NamesStageThreadsAndRate) {
     EXPECT_EQ(overload_advice(overload, Cause::kWork),
               "60/s asked, 0.9 done: segmentation takes 70 % of the work; use fewer or smaller "
               "pictures, or set capture.rate_hz = 0.8");
+    Overload refining = overload;
+    refining.largest_work = {"the refinement of the hull", 0.6, false, "set hull.refine = \"off\""};
+    EXPECT_EQ(overload_advice(refining, Cause::kWork),
+              "60/s asked, 0.9 done: the refinement of the hull takes 60 % of the work; set "
+              "hull.refine = \"off\", use fewer or smaller pictures, or set capture.rate_hz = 0.8");
     Overload waiting = overload;
     waiting.largest_work = {"waiting for hosts of regions", 0.9, true};
     EXPECT_NE(
