@@ -288,24 +288,6 @@ void InwardSweep::forget() {
     turn_ = 0;
 }
 
-// Finds out which surfels lie behind which small part of an outline.
-void InwardSweep::find_outlines(std::span<const PictureView> views) {
-    on_outlines_.clear();
-    for (std::size_t i = 0; i < surfels_.size(); ++i) {
-        const std::int32_t owner = surfels_[i].owner;
-        if (owner == hull::kNoOwner) continue;
-        const auto view = static_cast<std::size_t>(owner);
-        const auto bin = outline_bin(*views[view].camera,
-                                     view,
-                                     surfels_[i].position_site.cast<double>(),
-                                     options_.outline_bin_px);
-        if (bin) on_outlines_.push_back({*bin, 0.0F, static_cast<std::uint32_t>(i)});
-    }
-    std::ranges::sort(on_outlines_, {}, [](const OutlinePoint& point) {
-        return std::pair(point.bin, point.index);
-    });
-}
-
 // Of the surfels behind each part of an outline, holds the one that most likely touches it: it lies
 // least deep, and the cameras agree there already.
 void InwardSweep::hold() {
@@ -357,7 +339,8 @@ void InwardSweep::find(const geometry::TriangleMesh& mesh,
     for (std::size_t i = 0; i < surfels_.size(); ++i)
         smooth_.depths_m[i] = smooth_.weights[i] > 0.0F ? smooth_.found_m[i] : smooth_.earlier_m[i];
     smooth_.solve(options_.smooth, kNumRounds, kFirstOutlier_m);
-    find_outlines(views);
+    bins_px_.assign(views.size(), options_.outline_bin_px);
+    find_on_outlines(surfels_, views, bins_px_, on_outlines_);
     for (int i = 0; i < kNumHolds; ++i) {
         hold();
         smooth_.solve(options_.smooth, kNumRoundsHeld, 2.0F * options_.smooth.outlier_m);

@@ -129,7 +129,6 @@ private:
     void share_scores(Executor& executor);
     void accept();
     void recall(Executor& executor);
-    void find_outlines(std::span<const PictureView> views);
     void hold();
     float* scores(std::size_t surfel) { return scores_.data() + surfel * kNumSteps; }
 
@@ -149,6 +148,7 @@ private:
     std::vector<float> clashes_;   // of parts that no silhouette needs
     std::vector<float> phantoms_;  // per surfel: 0 to 1
     SmoothDepths smooth_;
+    std::vector<double> bins_px_;            // per view
     std::vector<OutlinePoint> on_outlines_;  // surfels, by their parts of outlines
     Counts counts_;
 };

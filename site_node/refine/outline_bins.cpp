@@ -1,9 +1,8 @@
 #include "site_node/refine/outline_bins.hpp"
 
-#include "site_node/refine/luma_picture.hpp"
-
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace atrium::refine {
 
@@ -31,6 +30,22 @@ void keep_least(std::vector<OutlinePoint>& points) {
     });
     const auto left = std::ranges::unique(points, {}, &OutlinePoint::bin);
     points.erase(left.begin(), left.end());
+}
+
+void find_on_outlines(const Surfels& surfels,
+                      std::span<const PictureView> views,
+                      std::span<const double> bins_px,
+                      std::vector<OutlinePoint>& points) {
+    points.clear();
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+        if (surfels[i].owner == hull::kNoOwner) continue;
+        const auto view = static_cast<std::size_t>(surfels[i].owner);
+        const auto bin = outline_bin(
+            *views[view].camera, view, surfels[i].position_site.cast<double>(), bins_px[view]);
+        if (bin) points.push_back({*bin, 0.0F, static_cast<std::uint32_t>(i)});
+    }
+    std::ranges::sort(
+        points, {}, [](const OutlinePoint& point) { return std::pair(point.bin, point.index); });
 }
 
 }  // namespace atrium::refine

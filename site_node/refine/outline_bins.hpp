@@ -1,12 +1,15 @@
 #pragma once
 
 #include "core/geometry/pinhole_camera.hpp"
+#include "site_node/refine/luma_picture.hpp"
+#include "site_node/refine/surfels.hpp"
 
 #include <Eigen/Core>
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace atrium::refine {
@@ -27,5 +30,12 @@ struct OutlinePoint {
 
 /// Keeps the point with the least cost in each bin; of equal ones that with the lowest index.
 void keep_least(std::vector<OutlinePoint>& points);
+
+/// Sets `points` to the surfels that lie on outlines, bin by bin and in rising order, with costs of
+/// 0. `views` are those of the hull; squares are as large as `bins_px` says for each.
+void find_on_outlines(const Surfels& surfels,
+                      std::span<const PictureView> views,
+                      std::span<const double> bins_px,
+                      std::vector<OutlinePoint>& points);
 
 }  // namespace atrium::refine

@@ -1,7 +1,6 @@
 #include "site_node/refine/phantom_parts.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace atrium::refine {
 
@@ -19,25 +18,18 @@ void PhantomParts::find_thickness(const Surfels& surfels) {
     }
 }
 
-void PhantomParts::find_outlines(const Surfels& surfels, std::span<const PictureView> views) {
+// Pieces are as large in all views.
+void PhantomParts::find_pieces(const Surfels& surfels, std::span<const PictureView> views) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < surfels.size(); ++i)
         middle += surfels[i].position_site.cast<double>() / static_cast<double>(surfels.size());
-    on_outlines_.clear();
-    for (std::size_t i = 0; i < surfels.size(); ++i) {
-        if (surfels[i].owner == hull::kNoOwner) continue;
-        const auto view = static_cast<std::size_t>(surfels[i].owner);
-        const geometry::CalibratedCamera& camera = *views[view].camera;
-        const double px_per_m = camera.intrinsics.fx / (camera.centre_site() - middle).norm();
-        const auto bin = outline_bin(camera,
-                                     view,
-                                     surfels[i].position_site.cast<double>(),
-                                     double{options_.outline_piece_m} * px_per_m);
-        if (bin) on_outlines_.push_back({*bin, 0.0F, static_cast<std::uint32_t>(i)});
+    pieces_px_.clear();
+    for (const PictureView& view : views) {
+        const double distance_m = (view.camera->centre_site() - middle).norm();
+        const double px_per_m = view.camera->intrinsics.fx / std::max(distance_m, kNearest_m);
+        pieces_px_.push_back(double{options_.outline_piece_m} * px_per_m);
     }
-    std::ranges::sort(on_outlines_, {}, [](const OutlinePoint& point) {
-        return std::pair(point.bin, point.index);
-    });
+    find_on_outlines(surfels, views, pieces_px_, on_outlines_);
 }
 
 // Without a thicker surfel behind the same piece of an outline, the thin ones there are needed.
@@ -57,7 +49,7 @@ void PhantomParts::mark_needed(float thin_m) {
 std::span<const std::uint32_t> PhantomParts::find_unneeded(const Surfels& surfels,
                                                            std::span<const PictureView> views) {
     find_thickness(surfels);
-    find_outlines(surfels, views);
+    find_pieces(surfels, views);
     is_needed_.resize(surfels.size());
     unneeded_.clear();
     for (const float thin_m : options_.thin_m) {

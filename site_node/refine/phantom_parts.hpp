@@ -46,11 +46,12 @@ public:
 
 private:
     void find_thickness(const Surfels& surfels);
-    void find_outlines(const Surfels& surfels, std::span<const PictureView> views);
+    void find_pieces(const Surfels& surfels, std::span<const PictureView> views);
     void mark_needed(float thin_m);
 
     PhantomPartsOptions options_;
     std::vector<float> thickness_m_;  // per surfel: of the thinnest that is as near as an edge
+    std::vector<double> pieces_px_;   // per view
     std::vector<OutlinePoint> on_outlines_;  // surfels, by their pieces of outlines
     std::vector<std::uint8_t> is_needed_;    // per surfel
     std::vector<float> clashes_;             // per surfel; negative: unknown, or not of such a part
