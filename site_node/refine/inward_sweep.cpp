@@ -249,8 +249,8 @@ void InwardSweep::accept() {
     }
 }
 
-// The depths that the surface had here in the metaframe before. What is doubtful comes and goes
-// within some metaframes instead of at once.
+// The depths that the surface had here in the metaframe before. Phantom parts come and go within
+// some metaframes instead of at once; what is new, or moves fast, is real until then.
 void InwardSweep::recall(Executor& executor) {
     constexpr float kNear_m = 0.03F;
     constexpr float kLeastCosine = 0.3F;  // between normals
@@ -274,8 +274,9 @@ void InwardSweep::recall(Executor& executor) {
                 phantom += own * earlier_phantoms_[there.surfel];
                 weight += own;
             }
+            const float earlier = weight < kLeastWeight ? 0.0F : phantom / weight;
+            phantoms_[i] += kEarlierPhantom * (earlier - phantoms_[i]);
             if (weight < kLeastWeight) continue;
-            phantoms_[i] += kEarlierPhantom * (phantom / weight - phantoms_[i]);
             smooth_.earlier_m[i] = sum / weight;
             smooth_.earlier_weights[i] = std::min(1.0F, weight);
         }
