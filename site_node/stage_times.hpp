@@ -29,7 +29,7 @@ public:
         std::string name;
         double share = 0.0;    // of the work of all stages
         bool is_wait = false;  // for other hosts
-        std::string remedy;    // an option that saves this work; empty: there is none
+        std::string remedy{};  // an option that saves this work; empty: there is none
     };
     /// The stage with the most work; nullopt without any.
     std::optional<Work> largest_work();

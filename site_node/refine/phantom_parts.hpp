@@ -19,7 +19,7 @@ struct PhantomPartsOptions {
     float edge_m = 0.015F;          // the edge of a thin part is this near to it
     float beside_m = 0.05F;         // nothing goes that is this near to a part that is needed
     float outline_piece_m = 0.06F;  // an outline is judged in pieces of this size
-    float least_clash = 50.0F;      // between the colours of a part that goes [grey levels]
+    float least_clash = 60.0F;      // between the colours of a part that goes [grey levels]
 };
 
 /// Finds parts of a visual hull that nobody has: thin ones that grow out of the body where the
