@@ -1,6 +1,7 @@
 #include "site_node/pipeline.hpp"
 
 #include "core/base/resize_keeping.hpp"
+#include "core/base/timestamp.hpp"
 #include "site_node/remote_results.hpp"
 
 #include <fmt/format.h>
@@ -14,10 +15,6 @@ namespace atrium::site_node {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double milliseconds_between(Clock::time_point begin, Clock::time_point end) {
-    return std::chrono::duration<double, std::milli>(end - begin).count();
-}
 
 }  // namespace
 
@@ -164,7 +161,7 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
         camera.result = stage->find(frame, {&executor, worker}, camera);
     };
     executor.parallel_for(cameras_.size(), work_on_camera);
-    out.milliseconds_ = milliseconds_between(begin, Clock::now());
+    out.milliseconds_ = milliseconds(Clock::now() - begin);
     for (const auto& frame : out.metaframe_.frames) {
         if (frame.found != nullptr)
             out.milliseconds_ = std::max(out.milliseconds_,
@@ -185,7 +182,7 @@ Expected<void> Pipeline::encode_texture(Silhouettes& silhouettes,
     const auto encoded = stages_[camera]->texture.encode(seen, options_.texture, coding, coded);
     if (!encoded) return tl::unexpected(encoded.error());
     seen.sees_somebody = *encoded;
-    if (seen.sees_somebody) seen.texture_ms = milliseconds_between(begin, Clock::now());
+    if (seen.sees_somebody) seen.texture_ms = milliseconds(Clock::now() - begin);
     return {};
 }
 
@@ -346,15 +343,14 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     if (!frame.draco.empty()) name_remote_textures(silhouettes.metaframe_, frame);
     sum_up(silhouettes, frame);
     frame.work_milliseconds.refinement = hull_.refinement_ms();
-    frame.work_milliseconds.hull =
-        milliseconds_between(hull_begin, encode_begin) - hull_.refinement_ms();
-    frame.work_milliseconds.waiting = milliseconds_between(wait_begin, wait_end);
+    frame.work_milliseconds.hull = milliseconds(encode_begin - hull_begin) - hull_.refinement_ms();
+    frame.work_milliseconds.waiting = milliseconds(wait_end - wait_begin);
     const auto end = Clock::now();
     frame.milliseconds = {
         silhouettes.milliseconds_,
-        milliseconds_between(hull_begin, encode_begin) + milliseconds_between(wait_begin, wait_end),
-        milliseconds_between(encode_begin, wait_begin) + milliseconds_between(wait_end, end),
-        silhouettes.milliseconds_ + milliseconds_between(hull_begin, end)};
+        milliseconds(encode_begin - hull_begin) + milliseconds(wait_end - wait_begin),
+        milliseconds(wait_begin - encode_begin) + milliseconds(end - wait_end),
+        silhouettes.milliseconds_ + milliseconds(end - hull_begin)};
     return {};
 }
 
