@@ -349,8 +349,6 @@ void InwardSweep::find(const geometry::TriangleMesh& mesh,
     earlier_depths_m_ = smooth_.depths_m;
     for (const float depth : smooth_.depths_m)
         counts_.mean_depth_m += double{depth} / static_cast<double>(surfels_.size());
-    counts_.num_phantoms = static_cast<std::size_t>(
-        std::ranges::count_if(phantoms_, [](float p) { return p > 0.5F; }));
 }
 
 InwardSweep::Move InwardSweep::move_at(const Eigen::Vector3f& point_site,

@@ -57,7 +57,7 @@ struct InwardSweepOptions {
 /// Of the surfels there, half are swept, in turns.
 ///
 /// Parts that no silhouette needs, and of which the cameras show different things (PhantomParts),
-/// hold nothing, and are told to whoever moves the mesh.
+/// do not hold the surface. `move_at` says how surely a point belongs to one.
 ///
 /// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
 class InwardSweep {
@@ -73,7 +73,6 @@ public:
         std::size_t num_swept = 0;     // with a score of its own or of a neighbour
         std::size_t num_accepted = 0;  // with a clear best step
         std::size_t num_held = 0;      // on the hull, by an outline
-        std::size_t num_phantoms = 0;  // in parts that nobody has
         double mean_depth_m = 0.0;
     };
 

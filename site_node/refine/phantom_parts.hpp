@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/base/executor.hpp"
 #include "site_node/refine/luma_picture.hpp"
 #include "site_node/refine/outline_bins.hpp"
 #include "site_node/refine/surfels.hpp"
@@ -30,7 +29,7 @@ struct PhantomPartsOptions {
 /// After Miller and Hilton, "Safe Hulls" (2007), who ask the same of whole components and of
 /// pixels.
 ///
-/// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
+/// Deterministic. Keeps its memory. Not thread-safe.
 class PhantomParts {
 public:
     explicit PhantomParts(const PhantomPartsOptions& options = {}) : options_(options) {}
