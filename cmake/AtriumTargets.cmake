@@ -110,13 +110,18 @@ endfunction()
 # The target that builds the programs of a folder; tests and benchmarks have targets of their own.
 set(ATRIUM_PROGRAMS programs)
 
-# atrium_program(name SOURCES main.cpp ... LINK lib ...); the target ${ATRIUM_PROGRAMS} builds it.
+# atrium_program(name SOURCES main.cpp ... LINK lib ...); the target ${ATRIUM_PROGRAMS} builds it. Programs read their command line and
+# leave the work to libraries, so they are compiled for a quick build; benchmarks are not.
 function(atrium_program name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
     target_link_libraries(${name} PRIVATE ${ARG_LINK})
     _atrium_options(${name})
-    _atrium_pch(${name} code)
+    if(ATRIUM_PROGRAMS STREQUAL programs)
+        _atrium_pch(${name} cold)
+    else()
+        _atrium_pch(${name} code)
+    endif()
     if(NOT TARGET ${ATRIUM_PROGRAMS})
         add_custom_target(${ATRIUM_PROGRAMS})
     endif()
