@@ -128,6 +128,9 @@ void declare_hull(HullStageOptions& hull, config::OptionSet& set) {
             "corners, where it lies outside of every smooth body with the same silhouettes; "
             "round_photo: first round, then photo; off: leave it exact",
             {"photo", "round", "round_photo", "off"});
+    set.add("hull.pause_refinement",
+            hull.pause_refinement,
+            "the refinement by pictures pauses while the host is too slow for it");
     set.add("hull.min_component_l",
             hull.min_component_l,
             "components smaller than this are dropped, unless phantoms are kept [l]",

@@ -256,7 +256,7 @@ void HullStage::refine(geometry::TriangleMesh& mesh,
                        refine::PhotoRefinement& photo,
                        Executor& executor) {
     if (rounds_corners_) rounding_.round(mesh, refined_views_);
-    if (moves_to_pictures_) photo.refine(mesh, refined_pictures_, executor);
+    if (moves_to_pictures_ && !is_paused_) photo.refine(mesh, refined_pictures_, executor);
 }
 
 // What comes after an instant without a hull is somebody else, or somewhere else.
@@ -321,9 +321,8 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
     } else {
         hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
     }
-    if (hull.status != hull::HullStatus::kOk) {
-        forget_surfaces();
-    } else if (rounds_corners_ || moves_to_pictures_) {
+    if (hull.status != hull::HullStatus::kOk || is_paused_) forget_surfaces();
+    if (hull.status == hull::HullStatus::kOk && (rounds_corners_ || moves_to_pictures_)) {
         const auto begin = std::chrono::steady_clock::now();
         refine(hull, pictures, executor);
         refinement_ms_ = milliseconds(std::chrono::steady_clock::now() - begin);

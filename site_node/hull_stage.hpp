@@ -40,6 +40,7 @@ struct HullStageOptions {
     /// move to where a smooth body would be (CornerRounding); "round_photo": first the corners,
     /// then the surface; "off": exact hull.
     std::string refine = "off";
+    bool pause_refinement = true;  // from pictures, while the host is too slow: RefinementPause
     /// False: nobody is outside a picture, and its border cuts the hull. True: space outside the
     /// pictures is unknown; needs bounds, here or in the rig.
     bool partial_views = false;
@@ -97,6 +98,9 @@ public:
 
     bool uses_pictures() const { return moves_to_pictures_; }
 
+    /// While it is paused, pictures move nothing, and what they showed before is forgotten.
+    void pause_pictures(bool is_paused) { is_paused_ = is_paused; }
+
     /// How long the refinement of the last hull took, part of `compute`; 0 if nothing was refined.
     double refinement_ms() const { return refinement_ms_; }
 
@@ -130,6 +134,7 @@ private:
     hull::RegionScratch region_scratch_;
     bool rounds_corners_ = false;
     bool moves_to_pictures_ = false;
+    bool is_paused_ = false;
     double refinement_ms_ = 0.0;
     hull::CornerRounding rounding_;
     std::vector<refine::PhotoRefinement> photo_;  // per region, or one; each has its memory

@@ -140,6 +140,11 @@ public:
     /// Who computes the regions that are elsewhere. Must outlive the pipeline.
     void set_remote_regions(hosts::RemoteRegions* remote) { remote_ = remote; }
 
+    /// Whether pictures refine the hull, unless that is paused.
+    bool refines_by_pictures() const { return hull_.uses_pictures(); }
+    /// From the next `compute` on; not during one.
+    void pause_refinement(bool is_paused) { hull_.pause_pictures(is_paused); }
+
     /// First stage. Ignores cameras that the metaframe lacks. Takes metaframes in their order, one
     /// at a time. After an error `out` is unspecified but reusable.
     Expected<void> find_silhouettes(const capture::Metaframe& metaframe,

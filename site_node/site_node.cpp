@@ -236,6 +236,7 @@ void SiteNode::compute_frame(Ready& ready) {
     if (frame == nullptr) frame = std::make_unique<SiteFrame>();
     const StreamAdapter::Choice& choice = ready.choice;
     const ColourCoding coding{choice.level.jpeg_quality, choice.level.colour_divisor};
+    pipeline_.pause_refinement(is_refinement_paused_);
     const auto done = pipeline_.compute(*ready.silhouettes, coding, pool_, *frame);
     if (rig_watcher_.wants_look(std::chrono::steady_clock::now()))
         rig_watcher_.put(pipeline_.look(*ready.silhouettes, *frame));

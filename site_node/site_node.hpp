@@ -20,6 +20,7 @@
 #include "site_node/preview/preview.hpp"
 #include "site_node/record/raw_recorder.hpp"
 #include "site_node/record_orders.hpp"
+#include "site_node/refinement_pause.hpp"
 #include "site_node/rig_watcher.hpp"
 #include "site_node/run_control.hpp"
 #include "site_node/stage_times.hpp"
@@ -113,6 +114,7 @@ private:
     void show_preview(const Pipeline::Silhouettes& silhouettes);
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
+    void look_at_refinement(const bus::SiteStatus& now);
     static void name_remote_textures(const SiteFrame& frame, bus::SiteMesh& mesh);
     Expected<std::size_t> publish(SiteFrame& frame);
 
@@ -155,6 +157,8 @@ private:
     StageTimes stage_times_;
     RateMeter published_rate_;
     RateMeter bytes_rate_;
+    RefinementPause refinement_pause_;  // of the reporting thread
+    std::atomic<bool> is_refinement_paused_{false};
     std::atomic<double> metaframes_per_s_{0.0};
     std::atomic<double> bytes_per_s_{0.0};
     std::atomic<double> first_output_s_{0.0};  // 0: nothing published yet

@@ -15,6 +15,14 @@
 
 // Status of a site, published once a second.
 namespace atrium::site_node {
+namespace {
+
+constexpr auto kRefinementPaused =
+    "the hull is not refined, the host is too slow: set capture.rate_hz lower, or hull.refine = "
+    "off";
+
+}  // namespace
+
 void SiteNode::report_status(std::stop_token stop) {
     using Clock = std::chrono::steady_clock;
     std::mutex mutex;
@@ -64,6 +72,7 @@ void SiteNode::report_status(std::stop_token stop) {
         }
         former = now;
         largest_work = stage_times_.largest_work();
+        look_at_refinement(now);
         if (const auto line = overload.look(atrium::status::figures_of(now), Clock::now()))
             app::log::warn("{}", *line);
         const auto cameras = source_->camera_counters();
@@ -75,6 +84,22 @@ void SiteNode::report_status(std::stop_token stop) {
         if (const auto line = progress.update(source_->num_passed()))
             app::log::info("playing {}", *line);
     }
+}
+
+// Whole metaframes are worth more than refined ones. A recording that is played as fast as possible
+// drops none.
+void SiteNode::look_at_refinement(const bus::SiteStatus& now) {
+    if (!pipeline_.refines_by_pictures() || !config_.pipeline.hull.pause_refinement) return;
+    const auto time = RefinementPause::Clock::now();
+    if (!refinement_pause_.look(time, now.num_metaframes_captured, metaframes_.num_dropped()))
+        return;
+    is_refinement_paused_ = refinement_pause_.is_paused();
+    if (is_refinement_paused_)
+        app::log::warn("refinement_paused seconds={} reason=\"{}\"",
+                       refinement_pause_.duration().count(),
+                       kRefinementPaused);
+    else
+        app::log::info("refinement_resumed");
 }
 
 bus::SiteStatus SiteNode::status() const {
@@ -103,6 +128,7 @@ bus::SiteStatus SiteNode::status() const {
     status.finding = rig_watcher_.finding();
     if (const auto* const worker = pipeline_.worker(); worker != nullptr && status.finding.empty())
         status.finding = worker->finding();
+    if (is_refinement_paused_ && status.finding.empty()) status.finding = kRefinementPaused;
     if (hosts_ != nullptr) status.hosts = hosts_->statuses();
     if (region_hosts_ != nullptr) {
         const auto regions = region_hosts_->statuses();

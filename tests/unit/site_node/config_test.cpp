@@ -42,6 +42,7 @@ TEST(SiteConfig, TreatsSpaceOutsideThePicturesAsEmptyByDefault) {
     EXPECT_EQ(hull.min_views, 0u);
     EXPECT_EQ(hull.min_component_l, 0.005);
     EXPECT_EQ(hull.refine, "off");
+    EXPECT_TRUE(hull.pause_refinement);
     EXPECT_TRUE(hull.regions.empty());
     EXPECT_EQ(config->capture.min_cameras, 0);
 }

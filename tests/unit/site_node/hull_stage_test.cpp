@@ -273,7 +273,7 @@ TEST(HullStage, MovesTheSurfaceToWhereThePicturesAgree) {
 }
 
 // Refined by pictures, the metaframe before counts, also beside a region without anybody.
-TEST(HullStage, RemembersTheMetaframeBeforeUnlessItHadNoHull) {
+TEST(HullStage, RemembersTheMetaframeBeforeUnlessItHadNoHullOrPaused) {
     const refine::DishScene before = refine::film_dish({}, 22);
     const refine::DishScene scene = refine::film_dish({}, 23);
     HullStageOptions options;
@@ -297,13 +297,20 @@ TEST(HullStage, RemembersTheMetaframeBeforeUnlessItHadNoHull) {
         hull::VisualHull alone;
         make().compute(all, scene.views(), executor, alone);
         ASSERT_EQ(alone.status, hull::HullStatus::kOk);
-        for (const bool is_gap : {false, true}) {
+        enum class Between : std::uint8_t { kNothing, kNoHull, kPause };
+        for (const Between between : {Between::kNothing, Between::kNoHull, Between::kPause}) {
             HullStage stage = make();
             hull::VisualHull hull;
             stage.compute(all, before.views(), executor, hull);
-            if (is_gap) stage.compute(none, before.views(), executor, hull);
+            if (between == Between::kNoHull) stage.compute(none, before.views(), executor, hull);
+            if (between == Between::kPause) {
+                stage.pause_pictures(true);
+                stage.compute(all, before.views(), executor, hull);
+                EXPECT_GT(geometry::volume_m3(hull.mesh), geometry::volume_m3(alone.mesh) / 0.98);
+                stage.pause_pictures(false);
+            }
             stage.compute(all, scene.views(), executor, hull);
-            EXPECT_EQ(hull.mesh.vertices == alone.mesh.vertices, is_gap);
+            EXPECT_EQ(hull.mesh.vertices == alone.mesh.vertices, between != Between::kNothing);
         }
     }
 }
