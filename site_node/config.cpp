@@ -135,6 +135,10 @@ void declare_hull(HullStageOptions& hull, config::OptionSet& set) {
             hull.min_component_l,
             "components smaller than this are dropped, unless phantoms are kept [l]",
             {0, 1000});
+    set.add("hull.find_camouflaged",
+            hull.find_camouflaged,
+            "parts of people that look like the empty room in one camera are found by the others; "
+            "needs bounds and six cameras");
     set.add("hull.keep_phantoms", hull.keep_phantoms, "keep components that no silhouette needs");
     set.add("hull.partial_views",
             hull.partial_views,

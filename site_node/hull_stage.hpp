@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -36,6 +37,8 @@ struct HullStageOptions {
     std::uint32_t min_views = 0;           // cameras that must see a point of the hull
     bool keep_phantoms = false;
     double min_component_l = 0.005;  // [l]
+    /// What looks like the empty room in one camera is added to its silhouettes: CamouflageStage.
+    bool find_camouflaged = true;
     /// "photo": the surface moves to where the pictures agree (PhotoRefinement); "round": corners
     /// move to where a smooth body would be (CornerRounding); "round_photo": first the corners,
     /// then the surface; "off": exact hull.
@@ -105,6 +108,11 @@ public:
     double refinement_ms() const { return refinement_ms_; }
 
     const std::vector<hull::Region>& regions() const { return regions_; }
+
+    /// Whether this host computes a hull.
+    bool has_own() const {
+        return regions_.empty() || !std::ranges::all_of(regions_, &hull::Region::is_elsewhere);
+    }
 
     /// The parts of the last hull, in the order of the regions; empty without regions.
     std::span<const hull::VisualHull> region_hulls() const { return region_scratch_.parts; }

@@ -85,6 +85,7 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
     auto hull = HullStage::create(cameras, options.hull, options.silhouette.tolerance_px);
     if (!hull) return tl::unexpected(hull.error());
     Pipeline pipeline(cameras, options, std::move(*hull));
+    pipeline.camouflage_ = CamouflageStage::create(cameras, options.hull);
     if (source.has_silhouettes()) {
         for (std::size_t i = 0; i < cameras.size(); ++i)
             pipeline.stages_[i]->silhouettes.emplace(cameras[i], options);
@@ -161,6 +162,7 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
         camera.result = stage->find(frame, {&executor, worker}, camera);
     };
     executor.parallel_for(cameras_.size(), work_on_camera);
+    add_camouflaged(executor, out);
     out.milliseconds_ = milliseconds(Clock::now() - begin);
     for (const auto& frame : out.metaframe_.frames) {
         if (frame.found != nullptr)
@@ -168,6 +170,22 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
                                          frame.found->segmentation_ms + frame.found->polygons_ms);
     }
     return first_failure(out);
+}
+
+void Pipeline::add_camouflaged(Executor& executor, Silhouettes& out) {
+    if (!camouflage_) return;
+    camouflage_cameras_.assign(cameras_.size(), {});
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        const capture::CameraFrame& frame = out.metaframe_.frames[i];
+        auto& stage = stages_[i]->silhouettes;
+        if (out.delivered_[i] == 0 || !out.cameras_[i]->result || frame.found != nullptr ||
+            frame.silhouette != nullptr || stage->asks_worker())
+            continue;
+        camouflage_cameras_[i] = {&*stage, out.cameras_[i].get()};
+    }
+    camouflage_->add(out.metaframe_, camouflage_cameras_, executor);
+    out.camouflage_ms_ = camouflage_->milliseconds();
+    out.num_camouflaged_px_ = camouflage_->num_pixels();
 }
 
 Expected<void> Pipeline::encode_texture(Silhouettes& silhouettes,
@@ -184,19 +202,6 @@ Expected<void> Pipeline::encode_texture(Silhouettes& silhouettes,
     seen.sees_somebody = *encoded;
     if (seen.sees_somebody) seen.texture_ms = milliseconds(Clock::now() - begin);
     return {};
-}
-
-// Names the textures that camera nodes publish of this metaframe.
-void Pipeline::name_remote_textures(const capture::Metaframe& metaframe, SiteFrame& frame) {
-    for (const capture::CameraFrame& picture : metaframe.frames) {
-        const capture::FoundSilhouette* found = picture.found.get();
-        if (found == nullptr || !found->has_texture) continue;
-        frame.remote_textures.push_back({static_cast<std::uint32_t>(picture.camera),
-                                         found->texture_frame_id,
-                                         found->texture_time,
-                                         found->colour_bytes,
-                                         found->mask_bytes});
-    }
 }
 
 // The mesh of region `index`, or the only one.
@@ -261,11 +266,6 @@ Expected<void> Pipeline::first_failure(const Silhouettes& silhouettes) const {
     return {};
 }
 
-bool Pipeline::has_own_hull() const {
-    return hull_.regions().empty() ||
-           !std::ranges::all_of(hull_.regions(), &hull::Region::is_elsewhere);
-}
-
 // Collects counts and durations of the stages.
 void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
     const hull::VisualHull& hull = frame.hull;
@@ -279,6 +279,8 @@ void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
         hull.num_contours_repaired,
         hull.num_regions_failed};
     for (const bus::RegionMeshes& remote : frame.remote) add(remote, frame);
+    frame.work_milliseconds.segmentation = silhouettes.camouflage_ms_;
+    frame.num_camouflaged_px = silhouettes.num_camouflaged_px_;
     for (std::size_t i = 0; i < silhouettes.cameras_.size(); ++i) {
         const auto& camera = silhouettes.cameras_[i];
         frame.losses.contours_dropped +=
@@ -339,7 +341,7 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     const auto wait_end = Clock::now();
     if (!encoded) return encoded;
     join_meshes(frame);
-    if (auto failed = failure_without_mesh(frame, has_own_hull()); !failed) return failed;
+    if (auto failed = failure_without_mesh(frame, hull_.has_own()); !failed) return failed;
     if (!frame.draco.empty()) name_remote_textures(silhouettes.metaframe_, frame);
     sum_up(silhouettes, frame);
     frame.work_milliseconds.refinement = hull_.refinement_ms();

@@ -6,6 +6,7 @@
 #include "core/codec/mesh_codec.hpp"
 #include "core/codec/texture_codec.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "site_node/camouflage_stage.hpp"
 #include "site_node/capture/frame_source.hpp"
 #include "site_node/hosts/remote_regions.hpp"
 #include "site_node/hull/visual_hull.hpp"
@@ -18,6 +19,7 @@
 #include "site_node/views/named_view.hpp"
 
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -63,6 +65,7 @@ struct SiteFrame {
     hull::VisualHull hull;                       // of the regions that this host computes
     std::vector<bus::RegionMeshes> remote;       // regions that other hosts computed
     MetaframeLosses losses;
+    std::uint64_t num_camouflaged_px = 0;  // added to silhouettes: CamouflageStage
 
     struct Milliseconds {
         double silhouettes = 0.0;  // segmentation and polygons of all cameras
@@ -112,6 +115,8 @@ public:
         std::vector<std::unique_ptr<Camera>> cameras_;
         std::vector<std::uint8_t> delivered_;  // per camera
         double milliseconds_ = 0.0;
+        double camouflage_ms_ = 0.0;  // part of it
+        std::uint64_t num_camouflaged_px_ = 0;
     };
 
     /// Loads or learns the background of each camera, unless the frames of `source` carry
@@ -179,9 +184,8 @@ private:
                                   const ColourCoding& coding,
                                   std::size_t camera,
                                   CodedCamera& coded);
+    void add_camouflaged(Executor& executor, Silhouettes& out);
     std::span<const refine::PictureView> pictures_of(const Silhouettes& silhouettes);
-    bool has_own_hull() const;
-    static void name_remote_textures(const capture::Metaframe& metaframe, SiteFrame& frame);
     Expected<void> encode(Silhouettes& silhouettes,
                           const ColourCoding& coding,
                           Executor& executor,
@@ -194,6 +198,8 @@ private:
     std::vector<geometry::CalibratedCamera> cameras_;
     PipelineOptions options_;
     std::vector<std::unique_ptr<CameraStage>> stages_;  // one per camera
+    std::optional<CamouflageStage> camouflage_;
+    std::vector<CamouflageStage::Camera> camouflage_cameras_;
     HullStage hull_;
     std::shared_ptr<segmentation_worker::WorkerTally> worker_;
     std::vector<refine::PictureView> pictures_;  // per camera

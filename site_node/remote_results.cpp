@@ -56,4 +56,16 @@ geometry::TriangleMesh whole_mesh(const SiteFrame& frame) {
     return whole;
 }
 
+void name_remote_textures(const capture::Metaframe& metaframe, SiteFrame& frame) {
+    for (const capture::CameraFrame& picture : metaframe.frames) {
+        const capture::FoundSilhouette* found = picture.found.get();
+        if (found == nullptr || !found->has_texture) continue;
+        frame.remote_textures.push_back({static_cast<std::uint32_t>(picture.camera),
+                                         found->texture_frame_id,
+                                         found->texture_time,
+                                         found->colour_bytes,
+                                         found->mask_bytes});
+    }
+}
+
 }  // namespace atrium::site_node

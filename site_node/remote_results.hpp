@@ -14,6 +14,9 @@ Expected<void> failure_without_mesh(const SiteFrame& frame, bool has_own);
 /// Adds the counts of regions that another host computed.
 void add(const bus::RegionMeshes& remote, SiteFrame& frame);
 
+/// Names the textures that camera nodes publish of this metaframe.
+void name_remote_textures(const capture::Metaframe& metaframe, SiteFrame& frame);
+
 /// The hull, with the regions that other hosts computed.
 geometry::TriangleMesh whole_mesh(const SiteFrame& frame);
 

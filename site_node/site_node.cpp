@@ -250,13 +250,14 @@ void SiteNode::compute_frame(Ready& ready) {
     show_preview(*ready.silhouettes);
     app::log::debug(
         "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
-        "total_ms={:.2f}",
+        "total_ms={:.2f} camouflaged_px={}",
         frame->frame_id,
         frame->hull.mesh.triangles.size(),
         frame->milliseconds.silhouettes,
         frame->milliseconds.hull,
         frame->milliseconds.encode,
-        frame->milliseconds.total);
+        frame->milliseconds.total,
+        frame->num_camouflaged_px);
     site_frames_.put(std::move(frame));
 }
 

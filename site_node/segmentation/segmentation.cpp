@@ -207,6 +207,7 @@ void Segmenter::test_and_clean(image::WorkingPicture& picture,
                                image::SparseMask& out,
                                const GiveWay& give_way) {
     const std::int16_t inverse_gain = light_.inverse_gain(picture, model_, options_);
+    inverse_gain_ = inverse_gain;
     const int height = model_.height();
     const int cell_rows = num_cells(height, kCellHeight);
     start_runs(clean_);

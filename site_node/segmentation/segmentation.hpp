@@ -44,6 +44,12 @@ public:
                            const GiveWay& give_way = {});
 
     const BackgroundModel& model() const { return model_; }
+    /// By which the luma of the last picture was multiplied before the comparison.
+    float inverse_gain() const {
+        return static_cast<float>(inverse_gain_) / static_cast<float>(kUnitGain);
+    }
+    /// Whether a pixel lies in the areas where the camera looks.
+    bool watches(int x, int y) const { return areas_.data.empty() || areas_.at(x, y) != 0; }
 
 private:
     void test_and_clean(image::WorkingPicture& picture,
@@ -60,6 +66,7 @@ private:
     SegmentationOptions options_;
     BackgroundModel model_;
     LightAdaptation light_;
+    std::int16_t inverse_gain_ = kUnitGain;
     image::Mask areas_;                      // empty: the whole picture
     image::SparseMask whole_;                // for callers without a sparse mask
     std::vector<std::uint8_t> raw_;          // some rows before the majority, cyclic

@@ -4,6 +4,7 @@
 #include "core/base/resize_keeping.hpp"
 #include "core/image/raw_image.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <numeric>
@@ -86,6 +87,13 @@ Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
     }
     give_way();
     const auto segmented_at = Clock::now();
+    find_contours(out);
+    out.segmentation_ms += Milliseconds(segmented_at - begun_at).count();
+    out.polygons_ms = Milliseconds(Clock::now() - segmented_at).count();
+    return {};
+}
+
+void SilhouetteStage::find_contours(PictureSilhouette& out) {
     out.counts = silhouette::extract_silhouette(
         out.mask.mask, intrinsics_, options_, scratch_, polygons_, out.mask.rows);
     resize_keeping(out.contours, polygons_.size(), spare_contours_);
@@ -93,9 +101,48 @@ Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
     out.subject = silhouette::bounding_rect(scratch_.contours);
     out.outlines.swap(scratch_.outlines);
     out.dropped.swap(scratch_.dropped);
-    out.segmentation_ms += Milliseconds(segmented_at - begun_at).count();
-    out.polygons_ms = Milliseconds(Clock::now() - segmented_at).count();
-    return {};
+}
+
+std::uint64_t SilhouetteStage::add(const capture::CameraFrame& frame,
+                                   std::span<const image::PixelRect> squares,
+                                   const GiveWay& give_way,
+                                   PictureSilhouette& out) {
+    constexpr int kMargin = 16;  // around people, pictures are valid so far
+    const auto begin = Clock::now();
+    std::uint64_t num_added = 0;
+    int left = out.mask.mask.width;
+    int top = out.mask.mask.height;
+    int right = 0;
+    int bottom = 0;
+    for (const image::PixelRect& square : squares) {
+        for (int y = square.y; y < square.y + square.height; ++y) {
+            std::uint8_t* row = out.mask.mask.row(y);
+            image::PixelSpan& span = out.mask.rows[static_cast<std::size_t>(y)];
+            for (int x = square.x; x < square.x + square.width; ++x) {
+                if (row[x] != 0 || !segmenter_.watches(x, y)) continue;
+                row[x] = 255;
+                ++num_added;
+                span = span.begin == span.end
+                           ? image::PixelSpan{x, x + 1}
+                           : image::PixelSpan{std::min(span.begin, x), std::max(span.end, x + 1)};
+            }
+        }
+        left = std::min(left, square.x);
+        top = std::min(top, square.y);
+        right = std::max(right, square.x + square.width);
+        bottom = std::max(bottom, square.y + square.height);
+    }
+    if (num_added == 0) return 0;
+    left = std::max(left - kMargin, 0) & ~1;
+    top = std::max(top - kMargin, 0) & ~1;
+    right = std::min(right + kMargin, out.picture.width()) & ~1;
+    bottom = std::min(bottom + kMargin, out.picture.height()) & ~1;
+    image::WorkingPicture picture(frame.image, out.picture_buffer);
+    picture.make({left, top, right - left, bottom - top});
+    give_way();
+    find_contours(out);
+    out.polygons_ms += Milliseconds(Clock::now() - begin).count();
+    return num_added;
 }
 
 void SilhouetteStage::watch_room(const PictureSilhouette& found) {

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -76,7 +77,17 @@ public:
                         const GiveWay& give_way,
                         PictureSilhouette& out);
 
+    /// Adds squares to what `find` found in this frame, where the camera looks, and finds the
+    /// contours again. Returns the number of pixels.
+    std::uint64_t add(const capture::CameraFrame& frame,
+                      std::span<const image::PixelRect> squares,
+                      const GiveWay& give_way,
+                      PictureSilhouette& out);
+
     const std::string& camera() const { return name_; }
+    const segmentation::Segmenter& segmenter() const { return segmenter_; }
+    /// Whether a worker, instead of the segmenter, says where people are.
+    bool asks_worker() const { return worker_ != nullptr; }
     /// The empty room as it was learned; without pixels if there is none.
     const segmentation::BackgroundStatistics& room() const { return segmenter_.model().room; }
     /// Whether the room was learned from pictures with people in it.
@@ -84,6 +95,7 @@ public:
 
 private:
     void watch_room(const PictureSilhouette& found);
+    void find_contours(PictureSilhouette& out);
     void offer(const capture::CameraFrame& frame,
                const GiveWay& give_way,
                image::WorkingPicture& picture);

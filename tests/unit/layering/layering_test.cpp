@@ -87,6 +87,8 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"site_node/segmentation/", {"core/base/", "core/image/"}},
     {"site_node/segmentation_worker/",
      {"core/base/", "core/image/", "core/app/", "site_node/segmentation/"}},
+    {"site_node/camouflage/",
+     {"core/base/", "core/geometry/", "core/image/", "site_node/segmentation/"}},
     {"site_node/occupied_room/",
      {"core/base/", "core/geometry/", "core/image/", "site_node/segmentation/"}},
     {"site_node/silhouette/", {"core/base/", "core/geometry/", "core/image/"}},

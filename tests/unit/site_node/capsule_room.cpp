@@ -4,22 +4,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <random>
 
 namespace atrium::site_node::test {
 namespace {
 
-// Whether the line from `origin` along the unit vector `ray` passes the segment nearer than the
-// radius. The squared distance along the segment is a parabola.
-bool meets(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, const Capsule& capsule) {
+// How far along the unit vector `ray` from `origin` the line passes the capsule's segment nearer
+// than the radius; infinite if it does not. The squared distance along the segment is a parabola.
+double distance_to(const Eigen::Vector3d& origin,
+                   const Eigen::Vector3d& ray,
+                   const Capsule& capsule) {
     const auto across = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d {
         return v - v.dot(ray) * ray;
     };
     const Eigen::Vector3d from = across(capsule.a - origin);
     const Eigen::Vector3d along = across(capsule.b - capsule.a);
     const double t = std::clamp(-from.dot(along) / std::max(along.squaredNorm(), 1e-12), 0.0, 1.0);
-    return (from + t * along).norm() <= capsule.radius_m;
+    if ((from + t * along).norm() > capsule.radius_m)
+        return std::numeric_limits<double>::infinity();
+    return (capsule.a + t * (capsule.b - capsule.a) - origin).dot(ray);
 }
 
 }  // namespace
@@ -38,24 +43,34 @@ std::vector<Capsule> make_body(const Eigen::Vector3d& floor_site) {
     return body;
 }
 
-image::Mask draw(std::span<const Capsule> body, const geometry::CalibratedCamera& camera) {
+image::Plane limbs_in_front(std::span<const Capsule> body,
+                            const geometry::CalibratedCamera& camera) {
     const geometry::PinholeCamera& lens = camera.intrinsics;
     const Eigen::Matrix3d site_from_camera =
         camera.camera_from_site.rotation.conjugate().toRotationMatrix();
     const Eigen::Vector3d centre = camera.centre_site();
-    image::Mask mask(lens.width, lens.height);
-    for (int y = 0; y < mask.height; ++y) {
-        for (int x = 0; x < mask.width; ++x) {
+    image::Plane limbs(lens.width, lens.height);
+    for (int y = 0; y < limbs.height; ++y) {
+        for (int x = 0; x < limbs.width; ++x) {
             const auto straight = lens.undistort(Eigen::Vector2d(x, y));
             if (!straight) continue;
             const Eigen::Vector3d ray =
                 (site_from_camera * lens.ray_camera(*straight)).normalized();
-            const bool on = std::any_of(body.begin(), body.end(), [&](const Capsule& limb) {
-                return meets(centre, ray, limb);
-            });
-            mask.row(y)[x] = on ? 255 : 0;
+            double nearest = std::numeric_limits<double>::infinity();
+            for (std::size_t i = 0; i < body.size(); ++i) {
+                const double distance = distance_to(centre, ray, body[i]);
+                if (!(distance < nearest)) continue;
+                nearest = distance;
+                limbs.row(y)[x] = static_cast<std::uint8_t>(i + 1);
+            }
         }
     }
+    return limbs;
+}
+
+image::Mask draw(std::span<const Capsule> body, const geometry::CalibratedCamera& camera) {
+    image::Mask mask = limbs_in_front(body, camera);
+    for (std::uint8_t& pixel : mask.data) pixel = pixel != 0 ? 255 : 0;
     return mask;
 }
 

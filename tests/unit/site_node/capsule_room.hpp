@@ -20,6 +20,10 @@ struct Capsule {
 /// A person of 1.75 m who stands at `floor_site` with both arms held out.
 std::vector<Capsule> make_body(const Eigen::Vector3d& floor_site);
 
+/// Per pixel: 1 + the index of the capsule in front, 0 where there is none. With lens distortion.
+image::Plane limbs_in_front(std::span<const Capsule> body,
+                            const geometry::CalibratedCamera& camera);
+
 /// Pixels whose rays hit a capsule, with lens distortion.
 image::Mask draw(std::span<const Capsule> body, const geometry::CalibratedCamera& camera);
 
