@@ -44,8 +44,8 @@ struct CamouflagedPartsOptions {
 /// learned (a shadow on it counts as unknown), but the colour that one of the cameras beside it
 /// shows there. The hull of the others bounds the part at its edge.
 ///
-/// Where a silhouette is right, such places are few: for one person, ten cameras and the outlines
-/// of ring20, 2 % of the person's area; and there the colours differ.
+/// Where a silhouette is right, such places are few if there are many cameras, and thin; and the
+/// colours differ there.
 ///
 /// Related: Lee, Woo, Boyer, "Silhouette Segmentation in Multiple Views", 2011. We decide blocks
 /// instead of solving for all pixels of all cameras together.
