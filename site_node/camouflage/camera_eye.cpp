@@ -12,7 +12,9 @@ CameraEye::CameraEye(const geometry::CalibratedCamera& camera)
       site_from_camera_(camera_from_site_.transpose()),
       translation_(camera.camera_from_site.translation.cast<float>()),
       centre_(camera.centre_site().cast<float>()),
-      fx_(static_cast<float>(lens_.fx)) {
+      fx_(static_cast<float>(lens_.fx)),
+      width_(lens_.width & ~1),
+      height_(lens_.height & ~1) {
     // a lens model bends far points back into the picture
     constexpr float kMargin = 1.1F;
     const Eigen::Array2d last(lens_.width - 1, lens_.height - 1);
@@ -51,8 +53,8 @@ CameraEye::Place CameraEye::place_of(const Eigen::Vector3f& point_site) const {
         fx_ * bent_x + static_cast<float>(lens_.skew) * bent_y + static_cast<float>(lens_.cx),
         static_cast<float>(lens_.fy) * bent_y + static_cast<float>(lens_.cy)};
     place.is_in_picture = place.px.x() > -0.5F && place.px.y() > -0.5F &&
-                          place.px.x() < static_cast<float>(lens_.width) - 0.5F &&
-                          place.px.y() < static_cast<float>(lens_.height) - 0.5F;
+                          place.px.x() < static_cast<float>(width_) - 0.5F &&
+                          place.px.y() < static_cast<float>(height_) - 0.5F;
     return place;
 }
 

@@ -25,6 +25,9 @@ public:
     /// Direction of a pixel of the delivered picture; zero where the lens has no inverse.
     Eigen::Vector3f ray_camera(const Eigen::Vector2f& px) const;
 
+    /// Size of its pictures: even, as site pictures are.
+    int width() const { return width_; }
+    int height() const { return height_; }
     const Eigen::Vector3f& centre_site() const { return centre_; }
     float focal_px() const { return fx_; }
 
@@ -35,6 +38,8 @@ private:
     Eigen::Vector3f translation_;
     Eigen::Vector3f centre_;
     float fx_ = 0.0F;
+    int width_ = 0;
+    int height_ = 0;
     float most_x_ = 0.0F;  // |x / z| and |y / z| farther out are not in the picture
     float most_y_ = 0.0F;
 };

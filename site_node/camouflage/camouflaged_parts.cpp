@@ -16,8 +16,6 @@ constexpr float kGreysPerLevel = 256.0F;  // of the luma of a BackgroundModel
 constexpr float kChromaPerLevel = 128.0F;
 constexpr int kTestedRows = 4;  // of each so many rows, the first two are valid everywhere
 
-bool counts(const CameraView& view) { return view.picture.y.data != nullptr; }
-
 bool is_person(const CameraView& view, const Eigen::Vector2f& px) {
     return view.mask->at(static_cast<int>(px.x() + 0.5F), static_cast<int>(px.y() + 0.5F)) != 0;
 }
@@ -58,6 +56,10 @@ BlockColour colour_of(const CameraView& view, int left, int top, int side) {
     return sum;
 }
 
+Eigen::Array3d num_cells(const geometry::Aabb& bounds_site, float cell_m) {
+    return (bounds_site.size() / double{cell_m}).array().ceil();
+}
+
 // As refine::colour_clash.
 float clash_of(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
     constexpr float kOfLuma = 0.4F;
@@ -74,21 +76,34 @@ CamouflagedParts::CamouflagedParts(std::span<const geometry::CalibratedCamera> c
     for (const geometry::CalibratedCamera& camera : cameras) eyes_.emplace_back(camera);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         Picture& picture = pictures_[i];
-        picture.columns = cameras[i].intrinsics.width / kBlock;
-        picture.rows = cameras[i].intrinsics.height / kBlock;
+        picture.columns = eyes_[i].width() / kBlock;
+        picture.rows = eyes_[i].height() / kBlock;
         picture.blocks.resize(static_cast<std::size_t>(picture.columns) *
                               static_cast<std::size_t>(picture.rows));
         picture.is_found.resize(picture.blocks.size());
     }
     const float cell_m = options.voxel_m * kVoxels;
     const Eigen::Vector3f low = bounds_site.min.cast<float>();
-    const Eigen::Array3i num =
-        (bounds_site.size().cast<float>() / cell_m).array().ceil().cast<int>();
+    const Eigen::Array3i num = num_cells(bounds_site, cell_m).cast<int>();
     for (int z = 0; z < num.z(); ++z)
         for (int y = 0; y < num.y(); ++y)
             for (int x = 0; x < num.x(); ++x)
                 cells_.push_back(low + cell_m * Eigen::Array3i(x, y, z).cast<float>().matrix());
     found_.resize(cells_.size());
+}
+
+bool CamouflagedParts::can_search(const geometry::Aabb& bounds_site,
+                                  const CamouflagedPartsOptions& options) {
+    constexpr double kMostCells = 50'000.0;  // 20 x 20 m, 4 m high
+    return !bounds_site.empty() &&
+           num_cells(bounds_site, options.voxel_m * kVoxels).prod() <= kMostCells;
+}
+
+// Pictures of another size than the rig's are not of its camera.
+bool CamouflagedParts::counts(std::span<const CameraView> views, std::size_t camera) const {
+    const CameraView& view = views[camera];
+    return view.picture.y.data != nullptr && view.mask->width == eyes_[camera].width() &&
+           view.mask->height == eyes_[camera].height();
 }
 
 // Collects the places where all cameras but one show a person.
@@ -112,7 +127,7 @@ void CamouflagedParts::search_cell(std::span<const CameraView> views,
     const Eigen::Vector3f centre = low.array() + half_m;
     std::size_t num_without = 0;
     for (std::size_t i = 0; i < views.size() && num_without < 2; ++i) {
-        if (!counts(views[i])) continue;
+        if (!counts(views, i)) continue;
         const CameraEye::Place place = eyes_[i].place_of(centre);
         if (!place.is_in_picture) continue;
         const float radius_px = std::sqrt(3.0F) * half_m * eyes_[i].focal_px() / place.depth_m;
@@ -133,7 +148,7 @@ void CamouflagedParts::search_cell(std::span<const CameraView> views,
         num_without = 0;
         Candidate candidate{point, 0};
         for (std::size_t i = 0; i < views.size() && num_without < 2; ++i) {
-            if (!counts(views[i])) continue;
+            if (!counts(views, i)) continue;
             const CameraEye::Place place = eyes_[i].place_of(point);
             if (!place.is_in_picture) continue;
             if (is_person(views[i], place.px)) {
@@ -153,7 +168,7 @@ bool CamouflagedParts::agrees(std::span<const CameraView> views,
                               const Eigen::Vector3f& point_site) const {
     std::size_t num_with = 0;
     for (std::size_t i = 0; i < views.size(); ++i) {
-        if (i == camera || !counts(views[i])) continue;
+        if (i == camera || !counts(views, i)) continue;
         const CameraEye::Place place = eyes_[i].place_of(point_site);
         if (!place.is_in_picture) continue;
         if (!is_person(views[i], place.px)) return false;
@@ -197,7 +212,7 @@ bool CamouflagedParts::shows_same_colour(std::span<const CameraView> views,
     std::array<std::pair<float, std::size_t>, 2> beside{};  // cosine, camera; falling
     beside.fill({-1.0F, views.size()});
     for (std::size_t i = 0; i < views.size(); ++i) {
-        if (i == camera || !counts(views[i])) continue;
+        if (i == camera || !counts(views, i)) continue;
         const float cosine = (eyes_[i].centre_site() - point_site).normalized().dot(to_camera);
         if (cosine > beside[0].first)
             beside = {std::pair(cosine, i), beside[0]};
@@ -219,15 +234,13 @@ bool CamouflagedParts::shows_same_colour(std::span<const CameraView> views,
 }
 
 // Notes in which blocks of its picture a camera alone shows nobody.
-void CamouflagedParts::mark_blocks(const CameraView& view, std::size_t camera) {
+void CamouflagedParts::mark_blocks(std::size_t camera) {
     Picture& picture = pictures_[camera];
     for (const std::uint32_t block : picture.marked) {
         picture.blocks[block] = {};
         picture.is_found[block] = 0;
     }
     picture.marked.clear();
-    const int columns = std::min(picture.columns, view.picture.width() / kBlock);
-    const int rows = std::min(picture.rows, view.picture.height() / kBlock);
     for (const Candidate& candidate : candidates_) {
         if (candidate.camera != camera) continue;
         const CameraEye::Place place = eyes_[camera].place_of(candidate.point_site);
@@ -237,9 +250,9 @@ void CamouflagedParts::mark_blocks(const CameraView& view, std::size_t camera) {
             return std::max(0, static_cast<int>(std::floor(px / kBlock)));
         };
         const int last_column =
-            std::min(columns - 1, static_cast<int>((place.px.x() + radius_px) / kBlock));
+            std::min(picture.columns - 1, static_cast<int>((place.px.x() + radius_px) / kBlock));
         const int last_row =
-            std::min(rows - 1, static_cast<int>((place.px.y() + radius_px) / kBlock));
+            std::min(picture.rows - 1, static_cast<int>((place.px.y() + radius_px) / kBlock));
         for (int row = first(place.px.y() - radius_px); row <= last_row; ++row) {
             for (int column = first(place.px.x() - radius_px); column <= last_column; ++column) {
                 const auto index = static_cast<std::uint32_t>(row * picture.columns + column);
@@ -353,7 +366,7 @@ void CamouflagedParts::add_edge(std::span<const CameraView> views, std::size_t c
 void CamouflagedParts::decide(std::span<const CameraView> views, std::size_t camera) {
     Picture& picture = pictures_[camera];
     picture.found.clear();
-    mark_blocks(views[camera], camera);
+    mark_blocks(camera);
     for (const std::uint32_t block : picture.marked)
         picture.is_found[block] = belongs_to_person(views, camera, block) ? 1 : 0;
     drop_small_parts(picture);
@@ -371,7 +384,7 @@ void CamouflagedParts::find(std::span<const CameraView> views, Executor& executo
     if (turn_++ % options_.search_every == 0) search(views, executor);
     const auto work = [&](std::size_t camera, std::size_t worker) {
         pictures_[camera].found.clear();
-        if (!candidates_.empty() && counts(views[camera])) decide(views, camera);
+        if (!candidates_.empty() && counts(views, camera)) decide(views, camera);
         executor.give_way(worker);
     };
     executor.parallel_for(views.size(), work);

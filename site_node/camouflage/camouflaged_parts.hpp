@@ -53,7 +53,11 @@ struct CamouflagedPartsOptions {
 /// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
 class CamouflagedParts {
 public:
-    /// `bounds_site`: where people can be.
+    /// Whether the bounds are small enough to be searched in each instant.
+    static bool can_search(const geometry::Aabb& bounds_site,
+                           const CamouflagedPartsOptions& options = {});
+
+    /// `bounds_site`: where people can be; it `can_search` them.
     CamouflagedParts(std::span<const geometry::CalibratedCamera> cameras,
                      const geometry::Aabb& bounds_site,
                      const CamouflagedPartsOptions& options = {});
@@ -92,6 +96,7 @@ private:
         std::vector<image::PixelRect> found;
     };
 
+    bool counts(std::span<const CameraView> views, std::size_t camera) const;
     void search(std::span<const CameraView> views, Executor& executor);
     void search_cell(std::span<const CameraView> views,
                      const Eigen::Vector3f& low,
@@ -100,7 +105,7 @@ private:
     bool belongs_to_person(std::span<const CameraView> views,
                            std::size_t camera,
                            std::uint32_t block) const;
-    void mark_blocks(const CameraView& view, std::size_t camera);
+    void mark_blocks(std::size_t camera);
     Run longest_run(std::span<const CameraView> views,
                     std::size_t camera,
                     const Eigen::Vector2f& px,

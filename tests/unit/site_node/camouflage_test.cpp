@@ -231,6 +231,9 @@ TEST_F(Camouflage, NeedsBoundsAndFiveOtherCameras) {
     EXPECT_TRUE(CamouflageStage::create(room_.rig().cameras, options_.hull));
     const std::span<const geometry::CalibratedCamera> five(room_.rig().cameras.data(), 5);
     EXPECT_FALSE(CamouflageStage::create(five, options_.hull));
+    options_.hull.regions[0].bounds.max = {1e9, 1e9, 1e9};
+    EXPECT_FALSE(CamouflageStage::create(room_.rig().cameras, options_.hull));
+    options_.hull.regions[0].bounds = kSpaceOfRoom;
     options_.hull.find_camouflaged = false;
     EXPECT_FALSE(CamouflageStage::create(room_.rig().cameras, options_.hull));
 }
