@@ -17,6 +17,7 @@
 #include "core/gl/offscreen_context.hpp"
 #include "site_node/config.hpp"
 #include "site_node/source/open_source.hpp"
+#include "site_node/start_check.hpp"
 #include "viewer/receive/person_decoder.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "world_server/config.hpp"
@@ -128,7 +129,12 @@ struct Site {
     explicit Site(const std::filesystem::path& folder)
         : config(site_config(folder)),
           source(value(site_node::open_source(config.capture, config.simulation, {}))),
-          pipeline(value(site_node::Pipeline::create(*source, config.pipeline, {}))) {}
+          pipeline(create_pipeline()) {}
+
+    site_node::Pipeline create_pipeline() {
+        site_node::take_bounds(source->rig(), config.pipeline.hull);
+        return value(site_node::Pipeline::create(*source, config.pipeline, {}));
+    }
 
     // `num` metaframes of the loop, from kFirst on
     std::vector<capture::Metaframe> metaframes(std::size_t num) {

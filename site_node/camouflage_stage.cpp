@@ -24,8 +24,8 @@ std::optional<CamouflageStage> CamouflageStage::create(
     std::span<const geometry::CalibratedCamera> cameras, const HullStageOptions& options) {
     const camouflage::CamouflagedPartsOptions parts;
     const auto bounds = bounds_of(options);
-    if (!options.find_camouflaged || !bounds || cameras.size() <= parts.fewest_others ||
-        !camouflage::CamouflagedParts::can_search(*bounds, parts))
+    if (!options.find_camouflaged || !bounds || cameras.size() <= parts.search.fewest_others ||
+        !camouflage::DissentSearch::can_search(*bounds, parts.search))
         return std::nullopt;
     return CamouflageStage(camouflage::CamouflagedParts(cameras, *bounds, parts));
 }

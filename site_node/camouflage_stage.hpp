@@ -19,7 +19,7 @@ namespace atrium::site_node {
 class CamouflageStage {
 public:
     /// Nullopt if it is off (HullStageOptions::find_camouflaged) or cannot work: nobody knows where
-    /// people can be, that is more space than 20 x 20 x 4 m, or there are too few cameras.
+    /// people can be, that is more than 200 m3, or there are too few cameras.
     static std::optional<CamouflageStage> create(
         std::span<const geometry::CalibratedCamera> cameras, const HullStageOptions& options);
 

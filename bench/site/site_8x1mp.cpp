@@ -3,6 +3,7 @@
 // missing. Metaframes come at a given rate, or one after another.
 
 #include "bench/site/site_run.hpp"
+#include "site_node/start_check.hpp"
 
 #include <fmt/format.h>
 
@@ -87,6 +88,7 @@ int measure(const std::vector<Case>& cases, double seconds, std::size_t workers,
             scene = std::move(*made);
             site_node::PipelineOptions pipeline_options;
             pipeline_options.hull.refine = refine = c.refine;
+            site_node::take_bounds(scene->rig(), pipeline_options.hull);
             auto created = site_node::Pipeline::create(*scene, pipeline_options, {});
             if (!created) return fmt::print(stderr, "{}\n", created.error().message), 1;
             pipeline = std::move(*created);

@@ -1,7 +1,6 @@
 #include "site_node/camouflage/camera_eye.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace atrium::camouflage {
@@ -13,8 +12,13 @@ CameraEye::CameraEye(const geometry::CalibratedCamera& camera)
       translation_(camera.camera_from_site.translation.cast<float>()),
       centre_(camera.centre_site().cast<float>()),
       fx_(static_cast<float>(lens_.fx)),
+      fy_(static_cast<float>(lens_.fy)),
+      skew_(static_cast<float>(lens_.skew)),
+      middle_(Eigen::Vector2d(lens_.cx, lens_.cy).cast<float>()),
       width_(lens_.width & ~1),
       height_(lens_.height & ~1) {
+    std::ranges::transform(
+        lens_.distortion, distortion_.begin(), [](double k) { return static_cast<float>(k); });
     // a lens model bends far points back into the picture
     constexpr float kMargin = 1.1F;
     const Eigen::Array2d last(lens_.width - 1, lens_.height - 1);
@@ -43,15 +47,12 @@ CameraEye::Place CameraEye::place_of(const Eigen::Vector3f& point_site) const {
     const float x = at.x() / at.z();
     const float y = at.y() / at.z();
     if (!(std::abs(x) <= most_x_ && std::abs(y) <= most_y_)) return place;
-    std::array<float, 5> k;
-    for (std::size_t i = 0; i < k.size(); ++i) k[i] = static_cast<float>(lens_.distortion[i]);
+    const std::array<float, 5>& k = distortion_;
     const float r2 = x * x + y * y;
     const float radial = 1.0F + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
     const float bent_x = x * radial + 2.0F * k[2] * x * y + k[3] * (r2 + 2.0F * x * x);
     const float bent_y = y * radial + k[2] * (r2 + 2.0F * y * y) + 2.0F * k[3] * x * y;
-    place.px = {
-        fx_ * bent_x + static_cast<float>(lens_.skew) * bent_y + static_cast<float>(lens_.cx),
-        static_cast<float>(lens_.fy) * bent_y + static_cast<float>(lens_.cy)};
+    place.px = middle_ + Eigen::Vector2f(fx_ * bent_x + skew_ * bent_y, fy_ * bent_y);
     place.is_in_picture = place.px.x() > -0.5F && place.px.y() > -0.5F &&
                           place.px.x() < static_cast<float>(width_) - 0.5F &&
                           place.px.y() < static_cast<float>(height_) - 0.5F;

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include <array>
+
 namespace atrium::camouflage {
 
 /// Projects many points into the delivered picture of one camera, in single precision.
@@ -38,6 +40,10 @@ private:
     Eigen::Vector3f translation_;
     Eigen::Vector3f centre_;
     float fx_ = 0.0F;
+    float fy_ = 0.0F;
+    float skew_ = 0.0F;
+    Eigen::Vector2f middle_;
+    std::array<float, 5> distortion_{};
     int width_ = 0;
     int height_ = 0;
     float most_x_ = 0.0F;  // |x / z| and |y / z| farther out are not in the picture

@@ -10,15 +10,10 @@
 namespace atrium::camouflage {
 namespace {
 
-constexpr int kVoxels = 8;  // along an edge of a cell
 constexpr float kRayStep_m = 0.02F;
 constexpr float kGreysPerLevel = 256.0F;  // of the luma of a BackgroundModel
 constexpr float kChromaPerLevel = 128.0F;
 constexpr int kTestedRows = 4;  // of each so many rows, the first two are valid everywhere
-
-bool is_person(const CameraView& view, const Eigen::Vector2f& px) {
-    return view.mask->at(static_cast<int>(px.x() + 0.5F), static_cast<int>(px.y() + 0.5F)) != 0;
-}
 
 // Mean Y, U and V of what is valid in a block whose corner and side are multiples of four; `room`:
 // the same of the empty room.
@@ -56,10 +51,6 @@ BlockColour colour_of(const CameraView& view, int left, int top, int side) {
     return sum;
 }
 
-Eigen::Array3d num_cells(const geometry::Aabb& bounds_site, float cell_m) {
-    return (bounds_site.size() / double{cell_m}).array().ceil();
-}
-
 // As refine::colour_clash.
 float clash_of(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
     constexpr float kOfLuma = 0.4F;
@@ -72,7 +63,7 @@ float clash_of(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
 CamouflagedParts::CamouflagedParts(std::span<const geometry::CalibratedCamera> cameras,
                                    const geometry::Aabb& bounds_site,
                                    const CamouflagedPartsOptions& options)
-    : options_(options), pictures_(cameras.size()) {
+    : options_(options), search_(bounds_site, options.search), pictures_(cameras.size()) {
     for (const geometry::CalibratedCamera& camera : cameras) eyes_.emplace_back(camera);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         Picture& picture = pictures_[i];
@@ -82,84 +73,6 @@ CamouflagedParts::CamouflagedParts(std::span<const geometry::CalibratedCamera> c
                               static_cast<std::size_t>(picture.rows));
         picture.is_found.resize(picture.blocks.size());
     }
-    const float cell_m = options.voxel_m * kVoxels;
-    const Eigen::Vector3f low = bounds_site.min.cast<float>();
-    const Eigen::Array3i num = num_cells(bounds_site, cell_m).cast<int>();
-    for (int z = 0; z < num.z(); ++z)
-        for (int y = 0; y < num.y(); ++y)
-            for (int x = 0; x < num.x(); ++x)
-                cells_.push_back(low + cell_m * Eigen::Array3i(x, y, z).cast<float>().matrix());
-    found_.resize(cells_.size());
-}
-
-bool CamouflagedParts::can_search(const geometry::Aabb& bounds_site,
-                                  const CamouflagedPartsOptions& options) {
-    constexpr double kMostCells = 50'000.0;  // 20 x 20 m, 4 m high
-    return !bounds_site.empty() &&
-           num_cells(bounds_site, options.voxel_m * kVoxels).prod() <= kMostCells;
-}
-
-// Pictures of another size than the rig's are not of its camera.
-bool CamouflagedParts::counts(std::span<const CameraView> views, std::size_t camera) const {
-    const CameraView& view = views[camera];
-    return view.picture.y.data != nullptr && view.mask->width == eyes_[camera].width() &&
-           view.mask->height == eyes_[camera].height();
-}
-
-// Collects the places where all cameras but one show a person.
-void CamouflagedParts::search(std::span<const CameraView> views, Executor& executor) {
-    const auto work = [&](std::size_t cell, std::size_t worker) {
-        found_[cell].clear();
-        search_cell(views, cells_[cell], found_[cell]);
-        executor.give_way(worker);
-    };
-    executor.parallel_for(cells_.size(), work);
-    candidates_.clear();
-    for (const auto& found : found_)
-        candidates_.insert(candidates_.end(), found.begin(), found.end());
-}
-
-void CamouflagedParts::search_cell(std::span<const CameraView> views,
-                                   const Eigen::Vector3f& low,
-                                   std::vector<Candidate>& found) const {
-    // more than one camera shows nobody anywhere near the cell
-    const float half_m = 0.5F * options_.voxel_m * kVoxels;
-    const Eigen::Vector3f centre = low.array() + half_m;
-    std::size_t num_without = 0;
-    for (std::size_t i = 0; i < views.size() && num_without < 2; ++i) {
-        if (!counts(views, i)) continue;
-        const CameraEye::Place place = eyes_[i].place_of(centre);
-        if (!place.is_in_picture) continue;
-        const float radius_px = std::sqrt(3.0F) * half_m * eyes_[i].focal_px() / place.depth_m;
-        const image::PixelRect& subject = views[i].subject;
-        const bool is_beside =
-            place.px.x() + radius_px < static_cast<float>(subject.x) ||
-            place.px.y() + radius_px < static_cast<float>(subject.y) ||
-            place.px.x() - radius_px > static_cast<float>(subject.x + subject.width) ||
-            place.px.y() - radius_px > static_cast<float>(subject.y + subject.height);
-        if (is_beside) ++num_without;
-    }
-    if (num_without > 1) return;
-    for (int voxel = 0; voxel < kVoxels * kVoxels * kVoxels; ++voxel) {
-        const Eigen::Array3i at(
-            voxel % kVoxels, voxel / kVoxels % kVoxels, voxel / (kVoxels * kVoxels));
-        const Eigen::Vector3f point = low.array() + options_.voxel_m * (at.cast<float>() + 0.5F);
-        std::size_t num_with = 0;
-        num_without = 0;
-        Candidate candidate{point, 0};
-        for (std::size_t i = 0; i < views.size() && num_without < 2; ++i) {
-            if (!counts(views, i)) continue;
-            const CameraEye::Place place = eyes_[i].place_of(point);
-            if (!place.is_in_picture) continue;
-            if (is_person(views[i], place.px)) {
-                ++num_with;
-                continue;
-            }
-            ++num_without;
-            candidate.camera = i;
-        }
-        if (num_without == 1 && num_with >= options_.fewest_others) found.push_back(candidate);
-    }
 }
 
 // Whether all other cameras that see the point show a person there.
@@ -168,13 +81,13 @@ bool CamouflagedParts::agrees(std::span<const CameraView> views,
                               const Eigen::Vector3f& point_site) const {
     std::size_t num_with = 0;
     for (std::size_t i = 0; i < views.size(); ++i) {
-        if (i == camera || !counts(views, i)) continue;
+        if (i == camera || !counts(views[i], eyes_[i])) continue;
         const CameraEye::Place place = eyes_[i].place_of(point_site);
         if (!place.is_in_picture) continue;
         if (!is_person(views[i], place.px)) return false;
         ++num_with;
     }
-    return num_with >= options_.fewest_others;
+    return num_with >= options_.search.fewest_others;
 }
 
 // Where others see a person along the ray of a pixel, near the candidates of its block.
@@ -212,7 +125,7 @@ bool CamouflagedParts::shows_same_colour(std::span<const CameraView> views,
     std::array<std::pair<float, std::size_t>, 2> beside{};  // cosine, camera; falling
     beside.fill({-1.0F, views.size()});
     for (std::size_t i = 0; i < views.size(); ++i) {
-        if (i == camera || !counts(views, i)) continue;
+        if (i == camera || !counts(views[i], eyes_[i])) continue;
         const float cosine = (eyes_[i].centre_site() - point_site).normalized().dot(to_camera);
         if (cosine > beside[0].first)
             beside = {std::pair(cosine, i), beside[0]};
@@ -241,11 +154,11 @@ void CamouflagedParts::mark_blocks(std::size_t camera) {
         picture.is_found[block] = 0;
     }
     picture.marked.clear();
-    for (const Candidate& candidate : candidates_) {
+    for (const Dissent& candidate : search_.found()) {
         if (candidate.camera != camera) continue;
         const CameraEye::Place place = eyes_[camera].place_of(candidate.point_site);
         if (!place.is_in_picture) continue;
-        const float radius_px = options_.voxel_m * eyes_[camera].focal_px() / place.depth_m;
+        const float radius_px = options_.search.voxel_m * eyes_[camera].focal_px() / place.depth_m;
         const auto first = [](float px) {
             return std::max(0, static_cast<int>(std::floor(px / kBlock)));
         };
@@ -381,10 +294,10 @@ void CamouflagedParts::decide(std::span<const CameraView> views, std::size_t cam
 
 void CamouflagedParts::find(std::span<const CameraView> views, Executor& executor) {
     assert(views.size() == pictures_.size());
-    if (turn_++ % options_.search_every == 0) search(views, executor);
+    if (turn_++ % options_.search_every == 0) search_.find(views, eyes_, executor);
     const auto work = [&](std::size_t camera, std::size_t worker) {
         pictures_[camera].found.clear();
-        if (!candidates_.empty() && counts(views, camera)) decide(views, camera);
+        if (!search_.found().empty() && counts(views[camera], eyes_[camera])) decide(views, camera);
         executor.give_way(worker);
     };
     executor.parallel_for(views.size(), work);

@@ -5,7 +5,8 @@
 #include "core/geometry/pinhole_camera.hpp"
 #include "core/image/image.hpp"
 #include "site_node/camouflage/camera_eye.hpp"
-#include "site_node/segmentation/background_model.hpp"
+#include "site_node/camouflage/camera_view.hpp"
+#include "site_node/camouflage/dissent_search.hpp"
 
 #include <Eigen/Core>
 
@@ -16,18 +17,8 @@
 
 namespace atrium::camouflage {
 
-/// What a camera shows of people at one instant. All of it is valid during `find`.
-struct CameraView {
-    image::YuvView picture;  // empty: the camera does not count. Rows 4n and 4n + 1 are valid
-    const image::Mask* mask = nullptr;
-    image::PixelRect subject;                             // foreground lies in it
-    const segmentation::BackgroundModel* room = nullptr;  // the empty room, in the light of now
-    float inverse_gain = 1.0F;  // of the picture's luma, to the brightness of the room
-};
-
 struct CamouflagedPartsOptions {
-    float voxel_m = 0.04F;          // space is searched so finely
-    std::size_t fewest_others = 5;  // cameras that must see a person there
+    DissentSearchOptions search;
     float least_depth_m = 0.06F;    // of a person, along a viewing ray
     float most_clash = 30.0F;       // between the colours of two cameras (refine::colour_clash)
     float least_change = 2.5F;      // of a block from the empty room [grey levels]
@@ -53,11 +44,7 @@ struct CamouflagedPartsOptions {
 /// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
 class CamouflagedParts {
 public:
-    /// Whether the bounds are small enough to be searched in each instant.
-    static bool can_search(const geometry::Aabb& bounds_site,
-                           const CamouflagedPartsOptions& options = {});
-
-    /// `bounds_site`: where people can be; it `can_search` them.
+    /// `bounds_site`: where people can be; DissentSearch::can_search them.
     CamouflagedParts(std::span<const geometry::CalibratedCamera> cameras,
                      const geometry::Aabb& bounds_site,
                      const CamouflagedPartsOptions& options = {});
@@ -72,10 +59,6 @@ public:
 
 private:
     static constexpr int kBlock = 8;
-    struct Candidate {
-        Eigen::Vector3f point_site = Eigen::Vector3f::Zero();
-        std::size_t camera = 0;  // that alone shows nobody there
-    };
     struct Block {
         float near_m = 0.0F;  // depths of the candidates in it
         float far_m = 0.0F;   // 0: no candidates
@@ -96,11 +79,6 @@ private:
         std::vector<image::PixelRect> found;
     };
 
-    bool counts(std::span<const CameraView> views, std::size_t camera) const;
-    void search(std::span<const CameraView> views, Executor& executor);
-    void search_cell(std::span<const CameraView> views,
-                     const Eigen::Vector3f& low,
-                     std::vector<Candidate>& found) const;
     void decide(std::span<const CameraView> views, std::size_t camera);
     bool belongs_to_person(std::span<const CameraView> views,
                            std::size_t camera,
@@ -122,10 +100,8 @@ private:
 
     CamouflagedPartsOptions options_;
     std::vector<CameraEye> eyes_;
-    std::vector<Eigen::Vector3f> cells_;  // their low corners; a cell has kVoxels^3 voxels
+    DissentSearch search_;
     int turn_ = 0;
-    std::vector<std::vector<Candidate>> found_;  // per cell
-    std::vector<Candidate> candidates_;
     std::vector<Picture> pictures_;  // per camera
 };
 
