@@ -249,5 +249,40 @@ TEST_F(Camouflage, IsTheSameForAnyNumberOfWorkers) {
     EXPECT_EQ(frame_.hull.mesh.vertices, vertices);
 }
 
+TEST(CameraEye, ProjectsAsItsLensAndNothingFromBesideThePicture) {
+    geometry::CalibratedCamera camera = make_room(8).cameras[1];
+    camera.intrinsics.skew = 0.7;
+    camera.intrinsics.distortion = {-0.3, 0.1, 0.002, -0.001, -0.01};
+    const camouflage::CameraEye eye(camera);
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    int num_seen = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Eigen::Vector3d at(unit(random), unit(random), 1.0 + unit(random));
+        const Eigen::Vector3d in_camera =
+            camera.camera_from_site.rotation * at + camera.camera_from_site.translation;
+        const Eigen::Vector2d px = camera.intrinsics.distort(camera.intrinsics.project(in_camera));
+        const camouflage::CameraEye::Place place = eye.place_of(at.cast<float>());
+        if (!place.is_in_picture) continue;
+        ++num_seen;
+        EXPECT_LT((place.px.cast<double>() - px).norm(), 0.01);
+        EXPECT_NEAR(place.depth_m, in_camera.z(), 1e-5);
+        const Eigen::Vector3f back = eye.point_site(eye.ray_camera(place.px), place.depth_m);
+        EXPECT_LT((back.cast<double>() - at).norm(), 1e-3);
+    }
+    EXPECT_GT(num_seen, 1000);
+    // behind it, and where this lens model bends rays back into the picture
+    const auto point = [&](double x, double y, double z) {
+        return Eigen::Vector3f(
+            (camera.camera_from_site.inverse().rotation * Eigen::Vector3d(x, y, z) +
+             camera.centre_site())
+                .cast<float>());
+    };
+    EXPECT_FALSE(eye.place_of(point(0, 0, -1)).is_in_picture);
+    EXPECT_FALSE(eye.place_of(point(0, 0, 0)).is_in_picture);
+    for (double x = 1.0; x < 20.0; x *= 1.1)
+        EXPECT_FALSE(eye.place_of(point(x, 0.2, 1)).is_in_picture) << x;
+}
+
 }  // namespace
 }  // namespace atrium::site_node
