@@ -294,7 +294,7 @@ void CamouflagedParts::decide(std::span<const CameraView> views, std::size_t cam
 
 void CamouflagedParts::find(std::span<const CameraView> views, Executor& executor) {
     assert(views.size() == pictures_.size());
-    if (turn_++ % options_.search_every == 0) search_.find(views, eyes_, executor);
+    search_.find(views, eyes_, executor);
     const auto work = [&](std::size_t camera, std::size_t worker) {
         pictures_[camera].found.clear();
         if (!search_.found().empty() && counts(views[camera], eyes_[camera])) decide(views, camera);

@@ -23,17 +23,16 @@ struct CamouflagedPartsOptions {
     float most_clash = 30.0F;       // between the colours of two cameras (refine::colour_clash)
     float least_change = 2.5F;      // of a block from the empty room [grey levels]
     std::size_t fewest_blocks = 8;  // of a part
-    int search_every = 4;           // calls
 };
 
 /// Finds parts of people that look like the empty room in one camera, from what all others show:
 /// a light shirt before a light wall. Its silhouette alone would cut them out of the visual hull.
 ///
-/// Space is searched for places where all cameras but one show a person, every fourth instant.
-/// That camera's picture is then decided in blocks of 8 x 8 pixels. A block belongs to a person if
-/// all others see one along its viewing ray, and if what it shows is not the empty room as it was
-/// learned (a shadow on it counts as unknown), but the colour that one of the cameras beside it
-/// shows there. The hull of the others bounds the part at its edge.
+/// Space is searched for places where all cameras but one show a person, a quarter of it at each
+/// instant. That camera's picture is then decided in blocks of 8 x 8 pixels. A block belongs to a
+/// person if all others see one along its viewing ray, and if what it shows is not the empty room
+/// as it was learned (a shadow on it counts as unknown), but the colour that one of the cameras
+/// beside it shows there. The hull of the others bounds the part at its edge.
 ///
 /// Where a silhouette is right, such places are few if there are many cameras, and thin; and the
 /// colours differ there.
@@ -101,7 +100,6 @@ private:
     CamouflagedPartsOptions options_;
     std::vector<CameraEye> eyes_;
     DissentSearch search_;
-    int turn_ = 0;
     std::vector<Picture> pictures_;  // per camera
 };
 

@@ -133,14 +133,18 @@ void DissentSearch::find(std::span<const CameraView> views,
         if (counts(views[camera], eyes[camera])) note_people(views[camera], tiles_[camera]);
     };
     executor.parallel_for(views.size(), look);
-    const auto work = [&](std::size_t chunk, std::size_t worker) {
+    const std::size_t stride = turn_ == 0 ? 1 : options_.num_turns;
+    const std::size_t first = turn_++ % stride;
+    const auto work = [&](std::size_t task, std::size_t worker) {
+        const std::size_t chunk = first + task * stride;
         found_in_[chunk].clear();
         const std::size_t end = std::min(cells_.size(), (chunk + 1) * kChunk);
         for (std::size_t cell = chunk * kChunk; cell < end; ++cell)
             search_cell(views, eyes, cells_[cell], found_in_[chunk]);
         executor.give_way(worker);
     };
-    executor.parallel_for(found_in_.size(), work);
+    if (first < found_in_.size())
+        executor.parallel_for((found_in_.size() - first + stride - 1) / stride, work);
     found_.clear();
     for (const auto& found : found_in_) found_.insert(found_.end(), found.begin(), found.end());
 }

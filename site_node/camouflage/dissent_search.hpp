@@ -17,6 +17,7 @@ namespace atrium::camouflage {
 struct DissentSearchOptions {
     float voxel_m = 0.04F;          // space is searched so finely
     std::size_t fewest_others = 5;  // cameras that must see a person
+    std::size_t num_turns = 4;      // instants in which all space is searched once
 };
 
 /// A place where one camera alone shows nobody.
@@ -26,7 +27,8 @@ struct Dissent {
 };
 
 /// Searches space for places where all cameras but one show a person. Cameras that do not see a
-/// place do not count there.
+/// place do not count there. At the first instant it searches everywhere, then a part at each: what
+/// was found elsewhere stays until its turn.
 ///
 /// Deterministic, for any number of workers. Keeps its memory. Not thread-safe.
 class DissentSearch {
@@ -39,7 +41,7 @@ public:
     explicit DissentSearch(const geometry::Aabb& bounds_site,
                            const DissentSearchOptions& options = {});
 
-    /// One view per camera, at most 64.
+    /// One view per camera, at most 64, of successive instants.
     void find(std::span<const CameraView> views,
               std::span<const CameraEye> eyes,
               Executor& executor);
@@ -67,6 +69,7 @@ private:
     std::vector<Tiles> tiles_;                    // per camera
     std::vector<std::vector<Dissent>> found_in_;  // per chunk of cells
     std::vector<Dissent> found_;
+    std::size_t turn_ = 0;
 };
 
 }  // namespace atrium::camouflage

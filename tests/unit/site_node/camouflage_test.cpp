@@ -202,7 +202,7 @@ TEST_F(Camouflage, IsNoShadowOnTheWall) {
     EXPECT_EQ(frame_.num_camouflaged_px, 0u);
 }
 
-// Space is searched every fourth instant; between, what was found there moves on.
+// A quarter of space is searched at each instant; what was found elsewhere moves on.
 TEST_F(Camouflage, IsFollowedBetweenTwoSearches) {
     Pipeline pipeline = make(options_);
     for (int instant = 0; instant < 6; ++instant) {
