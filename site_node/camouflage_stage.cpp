@@ -1,5 +1,6 @@
 #include "site_node/camouflage_stage.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <numeric>
 #include <utility>
@@ -34,6 +35,10 @@ void CamouflageStage::add(const capture::Metaframe& metaframe,
                           std::span<const Camera> cameras,
                           Executor& executor) {
     const auto begin = std::chrono::steady_clock::now();
+    num_pixels_ = 0;
+    milliseconds_ = 0.0;
+    // all masks are a recording's, a worker's or those of camera nodes
+    if (std::ranges::none_of(cameras, [](const Camera& c) { return c.stage != nullptr; })) return;
     views_.assign(cameras.size(), {});
     pixels_.assign(cameras.size(), 0);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
