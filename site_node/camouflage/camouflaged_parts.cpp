@@ -233,7 +233,9 @@ void CamouflagedParts::drop_small_parts(Picture& picture) const {
 }
 
 // Around the blocks that were found, the others' silhouettes decide each 2 x 2 pixels.
-void CamouflagedParts::add_edge(std::span<const CameraView> views, std::size_t camera) {
+void CamouflagedParts::add_edge(std::span<const CameraView> views,
+                                std::size_t camera,
+                                const GiveWay& give_way) {
     constexpr int kCell = 2;
     constexpr float kLeastDepth_m = 0.04F;
     Picture& picture = pictures_[camera];
@@ -260,6 +262,7 @@ void CamouflagedParts::add_edge(std::span<const CameraView> views, std::size_t c
     const auto repeated = std::ranges::unique(picture.edge);
     picture.edge.erase(repeated.begin(), repeated.end());
     for (const std::uint32_t index : picture.edge) {
+        give_way();
         const int left = static_cast<int>(index % columns) * kBlock;
         const int top = static_cast<int>(index / columns) * kBlock;
         for (int y = top; y < top + kBlock; y += kCell) {
@@ -276,12 +279,16 @@ void CamouflagedParts::add_edge(std::span<const CameraView> views, std::size_t c
     picture.marked.insert(picture.marked.end(), picture.edge.begin(), picture.edge.end());
 }
 
-void CamouflagedParts::decide(std::span<const CameraView> views, std::size_t camera) {
+void CamouflagedParts::decide(std::span<const CameraView> views,
+                              std::size_t camera,
+                              const GiveWay& give_way) {
     Picture& picture = pictures_[camera];
     picture.found.clear();
     mark_blocks(camera);
-    for (const std::uint32_t block : picture.marked)
+    for (const std::uint32_t block : picture.marked) {
         picture.is_found[block] = belongs_to_person(views, camera, block) ? 1 : 0;
+        give_way();
+    }
     drop_small_parts(picture);
     for (const std::uint32_t block : picture.marked) {
         if (picture.is_found[block] == 0) continue;
@@ -289,7 +296,7 @@ void CamouflagedParts::decide(std::span<const CameraView> views, std::size_t cam
         picture.found.push_back(
             {at % picture.columns * kBlock, at / picture.columns * kBlock, kBlock, kBlock});
     }
-    if (!picture.found.empty()) add_edge(views, camera);
+    if (!picture.found.empty()) add_edge(views, camera, give_way);
 }
 
 void CamouflagedParts::find(std::span<const CameraView> views, Executor& executor) {
@@ -297,8 +304,8 @@ void CamouflagedParts::find(std::span<const CameraView> views, Executor& executo
     search_.find(views, eyes_, executor);
     const auto work = [&](std::size_t camera, std::size_t worker) {
         pictures_[camera].found.clear();
-        if (!search_.found().empty() && counts(views[camera], eyes_[camera])) decide(views, camera);
-        executor.give_way(worker);
+        if (!search_.found().empty() && counts(views[camera], eyes_[camera]))
+            decide(views, camera, {&executor, worker});
     };
     executor.parallel_for(views.size(), work);
 }

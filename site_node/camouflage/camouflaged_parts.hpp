@@ -78,7 +78,7 @@ private:
         std::vector<image::PixelRect> found;
     };
 
-    void decide(std::span<const CameraView> views, std::size_t camera);
+    void decide(std::span<const CameraView> views, std::size_t camera, const GiveWay& give_way);
     bool belongs_to_person(std::span<const CameraView> views,
                            std::size_t camera,
                            std::uint32_t block) const;
@@ -95,7 +95,7 @@ private:
                            const Eigen::Vector3f& point_site,
                            const Eigen::Vector3f& colour) const;
     void drop_small_parts(Picture& picture) const;
-    void add_edge(std::span<const CameraView> views, std::size_t camera);
+    void add_edge(std::span<const CameraView> views, std::size_t camera, const GiveWay& give_way);
 
     CamouflagedPartsOptions options_;
     std::vector<CameraEye> eyes_;

@@ -139,9 +139,10 @@ void DissentSearch::find(std::span<const CameraView> views,
         const std::size_t chunk = first + task * stride;
         found_in_[chunk].clear();
         const std::size_t end = std::min(cells_.size(), (chunk + 1) * kChunk);
-        for (std::size_t cell = chunk * kChunk; cell < end; ++cell)
+        for (std::size_t cell = chunk * kChunk; cell < end; ++cell) {
             search_cell(views, eyes, cells_[cell], found_in_[chunk]);
-        executor.give_way(worker);
+            executor.give_way(worker);
+        }
     };
     if (first < found_in_.size())
         executor.parallel_for((found_in_.size() - first + stride - 1) / stride, work);
