@@ -108,7 +108,6 @@ std::uint64_t SilhouetteStage::add(const capture::CameraFrame& frame,
                                    const GiveWay& give_way,
                                    PictureSilhouette& out) {
     constexpr int kMargin = 16;  // around people, pictures are valid so far
-    const auto begin = Clock::now();
     std::uint64_t num_added = 0;
     int left = out.mask.mask.width;
     int top = out.mask.mask.height;
@@ -141,7 +140,6 @@ std::uint64_t SilhouetteStage::add(const capture::CameraFrame& frame,
     picture.make({left, top, right - left, bottom - top});
     give_way();
     find_contours(out);
-    out.polygons_ms += Milliseconds(Clock::now() - begin).count();
     return num_added;
 }
 
