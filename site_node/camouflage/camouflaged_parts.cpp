@@ -1,5 +1,7 @@
 #include "site_node/camouflage/camouflaged_parts.hpp"
 
+#include "core/image/colour_clash.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -49,13 +51,6 @@ BlockColour colour_of(const CameraView& view, int left, int top, int side) {
     sum.shown.array() /= num;
     sum.room.array() /= num * Eigen::Array3f(kGreysPerLevel, kChromaPerLevel, kChromaPerLevel);
     return sum;
-}
-
-// As refine::colour_clash.
-float clash_of(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
-    constexpr float kOfLuma = 0.4F;
-    const Eigen::Vector3f off = (a - b).cwiseAbs();
-    return kOfLuma * off.x() + off.y() + off.z();
 }
 
 }  // namespace
@@ -140,7 +135,8 @@ bool CamouflagedParts::shows_same_colour(std::span<const CameraView> views,
         const int top = static_cast<int>(place.px.y()) / kSide * kSide;
         const image::YuvView& picture = views[i].picture;
         if (left + kSide > picture.width() || top + kSide > picture.height()) continue;
-        if (clash_of(colour_of(views[i], left, top, kSide).shown, colour) <= options_.most_clash)
+        if (image::colour_clash(colour_of(views[i], left, top, kSide).shown, colour) <=
+            options_.most_clash)
             return true;
     }
     return false;

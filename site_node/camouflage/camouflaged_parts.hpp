@@ -20,7 +20,7 @@ namespace atrium::camouflage {
 struct CamouflagedPartsOptions {
     DissentSearchOptions search;
     float least_depth_m = 0.06F;    // of a person, along a viewing ray
-    float most_clash = 30.0F;       // between the colours of two cameras (refine::colour_clash)
+    float most_clash = 30.0F;       // between the colours of two cameras (image::colour_clash)
     float least_change = 2.5F;      // of a block from the empty room [grey levels]
     std::size_t fewest_blocks = 8;  // of a part
 };

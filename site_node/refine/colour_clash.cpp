@@ -1,5 +1,7 @@
 #include "site_node/refine/colour_clash.hpp"
 
+#include "core/image/colour_clash.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -41,12 +43,10 @@ std::optional<Eigen::Vector3f> colour_at(const PictureView& view,
 }
 
 float colour_clash(std::span<const Eigen::Vector3f> colours) {
-    constexpr float kOfLuma = 0.4F;
     float most = 0.0F;
     for (std::size_t i = 0; i < colours.size(); ++i) {
         for (std::size_t k = i + 1; k < colours.size(); ++k) {
-            const Eigen::Vector3f off = (colours[i] - colours[k]).cwiseAbs();
-            most = std::max(most, kOfLuma * off.x() + off.y() + off.z());
+            most = std::max(most, image::colour_clash(colours[i], colours[k]));
         }
     }
     return most;
