@@ -74,10 +74,9 @@ private:
 };
 
 // Eight cameras, each before a wall of one colour.
-class WalledRoom final : public capture::FrameSource {
+class WalledRoom final : public test::StillSource {
 public:
-    explicit WalledRoom(config::Rig rig) : rig_(std::move(rig)) {}
-    const config::Rig& rig() const override { return rig_; }
+    using StillSource::StillSource;
     bool has_silhouettes() const override { return false; }
     std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
                                                 const BackgroundSink& sink,
@@ -86,10 +85,9 @@ public:
             for (std::uint64_t seed = 0; sink(camera, *empty(camera, seed)) && seed < 5;) ++seed;
         return std::vector<Expected<void>>(cameras.size());
     }
-    Expected<void> run(std::stop_token, const Sink&) override { return {}; }
 
     std::shared_ptr<image::YuvImage> empty(std::size_t camera, std::uint64_t seed) const {
-        const geometry::PinholeCamera& lens = rig_.cameras[camera].intrinsics;
+        const geometry::PinholeCamera& lens = rig().cameras[camera].intrinsics;
         auto picture = std::make_shared<image::YuvImage>();
         picture->y = image::Plane(lens.width, lens.height);
         picture->u = picture->v = image::Plane(lens.width / 2, lens.height / 2);
@@ -97,9 +95,6 @@ public:
         Painter(100 * seed + camera).paint([&](int, int) { return &wall; }, *picture);
         return picture;
     }
-
-private:
-    config::Rig rig_;
 };
 
 class Camouflage : public testing::Test {

@@ -31,7 +31,7 @@ image::Mask draw(std::span<const Capsule> body, const geometry::CalibratedCamera
 capture::Metaframe take_pictures(std::span<const Capsule> body, const config::Rig& rig);
 
 /// Cameras that deliver silhouettes. `run` delivers nothing.
-class StillSource final : public capture::FrameSource {
+class StillSource : public capture::FrameSource {
 public:
     explicit StillSource(config::Rig rig) : rig_(std::move(rig)) {}
     const config::Rig& rig() const override { return rig_; }
