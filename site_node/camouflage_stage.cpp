@@ -51,13 +51,16 @@ void CamouflageStage::add(const capture::Metaframe& metaframe,
                      stage->segmenter().inverse_gain()};
     }
     parts_.find(views_, executor);
-    // only now may masks change: the cameras decide together
-    const auto work = [&](std::size_t i, std::size_t worker) {
-        if (parts_.found(i).empty()) return;
+    // Only now may masks change: the cameras decide together. Mostly none does.
+    changed_.clear();
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+        if (!parts_.found(i).empty()) changed_.push_back(i);
+    const auto work = [&](std::size_t task, std::size_t worker) {
+        const std::size_t i = changed_[task];
         pixels_[i] = cameras[i].stage->add(
             metaframe.frames[i], parts_.found(i), {&executor, worker}, *cameras[i].silhouette);
     };
-    executor.parallel_for(cameras.size(), work);
+    if (!changed_.empty()) executor.parallel_for(changed_.size(), work);
     num_pixels_ = std::accumulate(pixels_.begin(), pixels_.end(), std::uint64_t{0});
     milliseconds_ = atrium::milliseconds(std::chrono::steady_clock::now() - begin);
 }

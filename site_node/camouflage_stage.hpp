@@ -43,6 +43,7 @@ private:
     camouflage::CamouflagedParts parts_;
     std::vector<camouflage::CameraView> views_;
     std::vector<std::uint64_t> pixels_;  // per camera
+    std::vector<std::size_t> changed_;   // cameras
     std::uint64_t num_pixels_ = 0;
     double milliseconds_ = 0.0;
 };

@@ -279,7 +279,6 @@ void CamouflagedParts::decide(std::span<const CameraView> views,
                               std::size_t camera,
                               const GiveWay& give_way) {
     Picture& picture = pictures_[camera];
-    picture.found.clear();
     mark_blocks(camera);
     for (const std::uint32_t block : picture.marked) {
         picture.is_found[block] = belongs_to_person(views, camera, block) ? 1 : 0;
@@ -298,10 +297,10 @@ void CamouflagedParts::decide(std::span<const CameraView> views,
 void CamouflagedParts::find(std::span<const CameraView> views, Executor& executor) {
     assert(views.size() == pictures_.size());
     search_.find(views, eyes_, executor);
+    for (Picture& picture : pictures_) picture.found.clear();
+    if (search_.found().empty()) return;
     const auto work = [&](std::size_t camera, std::size_t worker) {
-        pictures_[camera].found.clear();
-        if (!search_.found().empty() && counts(views[camera], eyes_[camera]))
-            decide(views, camera, {&executor, worker});
+        if (counts(views[camera], eyes_[camera])) decide(views, camera, {&executor, worker});
     };
     executor.parallel_for(views.size(), work);
 }

@@ -129,10 +129,9 @@ void DissentSearch::find(std::span<const CameraView> views,
                          Executor& executor) {
     assert(views.size() == eyes.size() && views.size() <= kMostCameras);
     tiles_.resize(views.size());
-    const auto look = [&](std::size_t camera, std::size_t) {
-        if (counts(views[camera], eyes[camera])) note_people(views[camera], tiles_[camera]);
-    };
-    executor.parallel_for(views.size(), look);
+    // so little work that waiting for other workers would take longer
+    for (std::size_t i = 0; i < views.size(); ++i)
+        if (counts(views[i], eyes[i])) note_people(views[i], tiles_[i]);
     const std::size_t stride = turn_ == 0 ? 1 : options_.num_turns;
     const std::size_t first = turn_++ % stride;
     const auto work = [&](std::size_t task, std::size_t worker) {
